@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A lens ready to be traced: the checked, immutable form of a prescription, with every vertex in
+// lens space and its first-order (paraxial) data at the d line. Cheap to share between threads.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/fingerprint.h"
+#include "core/base/result.h"
+#include "core/optics/coating.h"
+#include "core/optics/glass.h"
+#include "core/optics/prescription.h"
+
+namespace flare {
+
+struct LensSurface {
+    SurfaceKind kind = SurfaceKind::kSphere;
+    double curvature = 0.0;  // 1 / radius, 1/mm; 0: plane and stop
+    double vertex_z_mm = 0.0;
+    double semi_diameter_mm = 0.0;
+    Glass behind = Glass::Air();  // the medium behind; in front of surface 0 there is air
+    Coating coating;
+    // The medium in front has the higher index (d line): light that travels towards +z meets the
+    // coating's layers reversed.
+    bool dense_in_front = false;
+
+    bool is_stop() const { return kind == SurfaceKind::kStop; }
+};
+
+struct Pupil {
+    double z_mm = 0.0;         // from vertex 0
+    double diameter_mm = 0.0;  // limited by the stop alone, wide open
+};
+
+// First-order data at 587.5618 nm, light from infinity.
+struct FirstOrder {
+    double efl_mm = 0.0;    // infinite for an afocal lens, and then the next two as well
+    double bfl_mm = 0.0;    // last vertex to paraxial focus
+    double f_number = 0.0;  // EFL / entrance pupil diameter, wide open
+    double stop_a1 = 0.0;   // height at the stop of a ray that enters parallel at height 1
+    Pupil entrance, exit;   // images of the stop; a telecentric exit pupil is at -infinity
+    double pupil_magnification = 0.0;  // exit / entrance diameter (signed magnification's size)
+    // (z_sensor - z_exit) / pupil_magnification, finite for a telecentric lens too: the distance d'
+    // of the rectilinear projection; EFL where the sensor is at the focus.
+    double projection_distance_mm = 0.0;
+};
+
+class Lens {
+  public:
+    // Fails with code "bad_lens" (and the surface's place) where a lens cannot be traced: no glass,
+    // none or several stops (a later capability), semi-diameter above the radius, sensor in
+    // front of the last vertex, zero power without an explicit sensor distance, ...
+    static Result<std::shared_ptr<const Lens>> Build(const Prescription& prescription);
+
+    const Prescription& prescription() const { return prescription_; }
+    const std::string& name() const { return prescription_.name; }
+    const std::vector<LensSurface>& surfaces() const { return surfaces_; }
+    int stop_index() const { return stop_index_; }
+    double sensor_z_mm() const { return sensor_z_mm_; }
+    const FirstOrder& first_order() const { return first_order_; }
+
+    // The same lens with every surface bare ("coatings": "none").
+    std::shared_ptr<const Lens> WithBareGlass() const;
+
+    // Names everything that bends rays or clips them (shape, glass, rims, sensor), not the
+    // coatings: one traced mesh serves every coating.
+    const Fingerprint& geometry_fingerprint() const { return geometry_fingerprint_; }
+    // The above and the coatings.
+    const Fingerprint& fingerprint() const { return fingerprint_; }
+
+    // Medium in front of / behind surface `index`.
+    const Glass& MediumBefore(int index) const;
+    const Glass& MediumBehind(int index) const;
+
+    Lens() = default;  // use Build
+
+  private:
+    void Seal();
+
+    Prescription prescription_;
+    std::vector<LensSurface> surfaces_;
+    int stop_index_ = 0;
+    double sensor_z_mm_ = 0.0;
+    FirstOrder first_order_;
+    Fingerprint geometry_fingerprint_, fingerprint_;
+};
+
+}  // namespace flare
