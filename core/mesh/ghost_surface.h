@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A ghost mesh as a smooth surface: every field of a vertex (sensor place, stop places, rim ratios)
+// as a function of the pupil place, cubic in both directions within a cell and with continuous
+// slopes between cells (Hermite; slopes by fourth-order differences of the traced vertices, lower
+// order where neighbours are dead). A cell is handed out as a Bezier net: the surface lies within
+// the convex hull of its control points, so bounds are safe.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/mesh/ghost_mesh.h"
+
+namespace flare {
+
+// The 4 x 4 control values of one field over one cell, [row of v][column of u].
+using BezierNet = std::array<double, 16>;
+
+// One cell at one wavelength: a net a field.
+struct CellSurface {
+    std::vector<BezierNet> nets;
+};
+
+struct CellPlace {
+    int grid = 0, i = 0, j = 0;
+};
+
+class GhostSurface {
+  public:
+    explicit GhostSurface(std::shared_ptr<const GhostMesh> mesh);
+
+    const GhostMesh& mesh() const { return *mesh_; }
+
+    // All cells that may pass light, in a fixed order.
+    const std::vector<CellPlace>& cells() const { return cells_; }
+    CellUse UseOf(const CellPlace& cell) const;
+    // Which corner of a kTriangle cell is dead: 0 (i, j), 1 (i+1, j), 2 (i, j+1), 3 (i+1, j+1).
+    int DeadCorner(const CellPlace& cell) const;
+
+    // Is the cell so far outside radius `radius_mm` at some stop crossing that its light cannot
+    // pass? A cheap look at the corners; false when in doubt.
+    bool FarOutsideStop(const CellPlace& cell, double radius_mm) const;
+
+    // The cell at the wavelength whose node weights are given (NodeWeights). A dead corner of a
+    // triangle is filled in by the parallelogram rule. Fields first ... end - 1; the others' nets
+    // are left as they are.
+    void Evaluate(const CellPlace& cell, const std::vector<double>& node_weights, int first,
+                  int end, CellSurface& out) const;
+
+  private:
+    // [node][vertex * fields + field]: du, dv, duv per cell.
+    using GridSlopes = std::vector<std::vector<std::array<float, 3>>>;
+    void AddSlopes(const MeshGrid& grid, GridSlopes& out) const;
+
+    std::shared_ptr<const GhostMesh> mesh_;
+    std::vector<CellPlace> cells_;
+    std::vector<GridSlopes> slopes_;  // of each smooth grid
+};
+
+}  // namespace flare

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The product of unpolarised reflectances and transmittances along a ghost's path, at any
+// wavelength, from the cosines that the mesh keeps. For each interaction the mesh has c^2, the
+// squared cosine of the ray in the *rarer* of the two media: R and T are smooth functions of c all
+// the way to the critical angle (c = 0), and c^2 < 0 is total internal reflection.
+//
+// Coated surfaces are tabulated over c, each table refined until a cubic through its points is
+// within 1e-7 of the characteristic matrix at every midpoint; where a table would need more than
+// 2048 points the matrix itself is evaluated. Bare surfaces are always evaluated. Immutable once
+// built, so safe from any thread.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/parallel.h"
+#include "core/optics/lens.h"
+#include "core/tracing/interaction_list.h"
+
+namespace flare {
+
+class TransmissionTables {
+  public:
+    TransmissionTables(const Lens& lens, std::vector<double> wavelengths_nm, ThreadPool& threads);
+
+    // Everything that `sequence` needs, written out for every wavelength.
+    class Path {
+      public:
+        // The product at wavelength number `band`; rare_cos2 has one entry an interaction.
+        double Weight(int band, std::span<const double> rare_cos2) const;
+
+      private:
+        friend class TransmissionTables;
+        const TransmissionTables* tables_ = nullptr;
+        std::vector<InteractionList> lists_;
+    };
+    Path PathOf(const Lens& lens, const BounceSequence& sequence) const;
+
+    const std::vector<double>& wavelengths_nm() const { return wavelengths_nm_; }
+
+  private:
+    enum Quantity { kTransmittance, kReflectanceFromRare, kReflectanceFromDense, kQuantities };
+
+    struct Table {
+        std::vector<double> values;  // over c = 0 ... 1; empty: evaluate
+        double At(double c) const;
+    };
+
+    void BuildTables(const Lens& lens, int surface, int band);
+    const Table& TableOf(int surface, int band, Quantity quantity) const;
+    double StepFactor(const Interaction& step, int band, double rare_cos2) const;
+
+    std::vector<double> wavelengths_nm_;
+    std::vector<Coating> coatings_;  // by surface
+    std::vector<Table> tables_;      // [surface][band][quantity]
+};
+
+}  // namespace flare
