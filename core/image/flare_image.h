@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A rendered picture as named float planes over a pixel window, before it is written to a format.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace flare {
+
+struct PixelWindow {
+    int x = 0, y = 0;  // first pixel, in the full frame's coordinates; y grows downwards
+    int width = 0, height = 0;
+
+    std::size_t pixels() const {
+        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
+    friend bool operator==(const PixelWindow&, const PixelWindow&) = default;
+};
+
+// One channel: width x height floats of the data window, row by row from the top.
+struct ImagePlane {
+    std::string name;  // "R", "ghosts.R", "S0.587,5618nm", ...
+    std::vector<float> values;
+};
+
+struct FlareImage {
+    PixelWindow full;  // the frame that was asked for: x = y = 0
+    PixelWindow data;  // what the planes hold (crop or overscan)
+    double pixel_aspect = 1.0;
+    std::vector<ImagePlane> planes;
+    // Header attributes: text and numbers, in this order.
+    std::vector<std::pair<std::string, std::string>> text_attributes;
+    std::vector<std::pair<std::string, double>> number_attributes;
+    bool rec709 = true;  // write the chromaticities of linear Rec.709 with D65 white
+};
+
+}  // namespace flare

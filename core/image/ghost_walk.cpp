@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// For each cell: the Bezier nets bound where it lies and which masks cut it; the nets' second
+// differences and corner Jacobians say into how many pieces it must be cut; the pieces' corners are
+// evaluated row by row. Pieces inside all masks are quadrilaterals; pieces on an edge are clipped
+// in pupil space, edge function by edge function, so iris corners and holes stay exact at any grid.
+//
+// Wavelengths run innermost: their images of one piece lie almost on top of each other, and a sink
+// can put them together before it touches the picture.
+#include "core/image/ghost_walk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/image/net_shape.h"
+#include "core/image/piece_clip.h"
+
+namespace flare {
+namespace {
+
+constexpr int kMostCuts = 256;  // pieces along a side of a cell
+
+enum class Mask { kOpen, kCut, kShut };
+
+}  // namespace
+
+struct GhostWalk::Work {
+    const GhostLight& ghost;
+    const Iris& iris;
+    const PictureMap& map;
+    const WalkTolerance& tolerance;
+    const GhostMesh& mesh;
+    std::uint64_t pieces = 0;
+
+    // The cell at hand, at each drawn wavelength.
+    struct Sheet {
+        bool drawn = false;  // may touch the window and no mask shuts it
+        CellSurface surface;
+        std::vector<double> row_below, row_above;  // [corner][field of `fields`]
+    };
+    std::vector<Sheet> sheets;
+    const GhostLight::Cell* cell = nullptr;
+    std::vector<bool> stop_cut, rim_cut;  // at any wavelength
+    std::vector<std::size_t> fields;      // evaluated: sensor, and the masks that cut
+    std::vector<std::array<double, 4>> bernstein_u;
+    int cuts_u = 1, cuts_v = 1, dead_corner = -1;
+    double cell_area = 0.0;
+    CellSurface mask_nets;  // of the middle wavelength
+    PieceClip clip;
+    std::vector<double> light;
+
+    Work(const GhostLight& g, const Iris& i, const PictureMap& m, const WalkTolerance& t)
+        : ghost(g), iris(i), map(m), tolerance(t), mesh(g.surface->mesh()) {
+        light.resize(static_cast<std::size_t>(g.channels));
+        sheets.resize(g.bands.size());
+    }
+
+    void Cell(const WalkWindow& window, PieceSink& sink) {
+        stop_cut.assign(static_cast<std::size_t>(mesh.stop_crossings), false);
+        rim_cut.assign(mesh.rims.size(), false);
+        bool any = false;
+        for (std::size_t b = 0; b < sheets.size(); ++b) {
+            sheets[b].drawn = Prepare(sheets[b], ghost.bands[b], window);
+            any = any || sheets[b].drawn;
+        }
+        if (!any) return;
+        ChooseFields();
+        ChooseCuts();
+        const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(cell->place.grid)];
+        cell_area = grid.du * grid.dv;
+        dead_corner = ghost.surface->UseOf(cell->place) == CellUse::kTriangle
+                          ? ghost.surface->DeadCorner(cell->place)
+                          : -1;
+        bernstein_u.resize(static_cast<std::size_t>(cuts_u + 1));
+        for (int i = 0; i <= cuts_u; ++i) {
+            bernstein_u[static_cast<std::size_t>(i)] = Bernstein(static_cast<double>(i) / cuts_u);
+        }
+        EvaluateRows(0);
+        for (int j = 0; j < cuts_v; ++j) {
+            for (Sheet& sheet : sheets) std::swap(sheet.row_below, sheet.row_above);
+            EvaluateRows(j + 1);
+            for (int i = 0; i < cuts_u; ++i) {
+                for (std::size_t b = 0; b < sheets.size(); ++b) {
+                    if (sheets[b].drawn) Piece(b, i, j, window, sink);
+                }
+                sink.EndOfPiece();
+            }
+        }
+    }
+
+    // Nets in picture and camera coordinates; false if the sheet cannot touch the window or a mask
+    // shuts it out.
+    bool Prepare(Sheet& sheet, const GhostLight::Band& band, const WalkWindow& window) {
+        std::vector<BezierNet>& nets = sheet.surface.nets;
+        ghost.surface->Evaluate(cell->place, band.node_weights, 0, 2, sheet.surface);
+        MapNets(nets[0], nets[1], map.px_per_x, map.px_per_y, map.offset_px);
+        const NetRange x = RangeOf(nets[0]);
+        const NetRange y = RangeOf(nets[1]);
+        if (x.hi < window.x0 || x.lo > window.x1 || y.hi < window.y0 || y.lo > window.y1)
+            return false;
+        if (cell->open) return true;
+
+        ghost.surface->Evaluate(cell->place, band.node_weights, 2, mesh.field_count(),
+                                sheet.surface);
+        for (int c = 0; c < mesh.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh.stop_field(c));
+            MapNets(nets[f], nets[f + 1], {map.cos_azimuth, map.sin_azimuth},
+                    {-map.sin_azimuth, map.cos_azimuth}, {0.0, 0.0});
+            const NetRange sx = RangeOf(nets[f]);
+            const NetRange sy = RangeOf(nets[f + 1]);
+            if (NearestToOrigin(sx, sy) > iris.outer_radius()) return false;
+            if (FarthestFromOrigin(sx, sy) >= iris.inner_radius())
+                stop_cut[static_cast<std::size_t>(c)] = true;
+        }
+        for (std::size_t r = 0; r < rim_cut.size(); ++r) {
+            const NetRange rim = RangeOf(nets[RimField(r)]);
+            if (rim.lo > 0.0) return false;
+            if (rim.hi > 0.0) rim_cut[r] = true;
+        }
+        return true;
+    }
+
+    std::size_t RimField(std::size_t rim) const {
+        return static_cast<std::size_t>(mesh.rim_field(static_cast<int>(rim)));
+    }
+
+    void ChooseFields() {
+        fields = {0, 1};
+        for (std::size_t c = 0; c < stop_cut.size(); ++c) {
+            if (!stop_cut[c]) continue;
+            const auto f = static_cast<std::size_t>(mesh.stop_field(static_cast<int>(c)));
+            fields.push_back(f);
+            fields.push_back(f + 1);
+        }
+        for (std::size_t r = 0; r < rim_cut.size(); ++r) {
+            if (rim_cut[r]) fields.push_back(RimField(r));
+        }
+    }
+
+    // The cuts must not depend on the window, so they are taken from the middle wavelength, whether
+    // it is drawn here or not.
+    void ChooseCuts() {
+        Sheet& middle = sheets[sheets.size() / 2];
+        const std::vector<BezierNet>& nets = middle.surface.nets;
+        const NetShape shape = ShapeOf(nets[0], nets[1]);
+        const double density = DensityChange(nets[0], nets[1]) / tolerance.density_step;
+        const auto cuts = [&](double bend, double length) {
+            // A cubic piece of 1/s of the cell leaves its chord by 6 bend / (8 s^2).
+            const double for_place = std::sqrt(0.75 * bend / tolerance.position_px);
+            const double for_light = std::min(density, length / tolerance.smallest_px);
+            return std::max({1.0, for_place, for_light, length / tolerance.largest_px});
+        };
+        double u = cuts(shape.bend_u, shape.length_u);
+        double v = cuts(shape.bend_v, shape.length_v);
+        if (!cell->open) {
+            const GhostLight::Band& band = ghost.bands[sheets.size() / 2];
+            ghost.surface->Evaluate(cell->place, band.node_weights, 2, mesh.field_count(),
+                                    mask_nets);
+            for (std::size_t c = 0; c < stop_cut.size(); ++c) {
+                const auto f = static_cast<std::size_t>(mesh.stop_field(static_cast<int>(c)));
+                const BezierNet& x = mask_nets.nets[f];
+                const BezierNet& y = mask_nets.nets[f + 1];
+                if (FarthestFromOrigin(RangeOf(x), RangeOf(y)) < iris.inner_radius()) continue;
+                CutForMask(ShapeOf(x, y), iris.inner_radius(), u, v);
+            }
+            // Near the rim its field is the ratio less 1.
+            for (std::size_t r = 0; r < rim_cut.size(); ++r) {
+                const BezierNet& rim = mask_nets.nets[RimField(r)];
+                if (RangeOf(rim).hi > 0.0) CutForMask(ShapeOf(rim), 1.0, u, v);
+            }
+        }
+        cuts_u = static_cast<int>(std::ceil(std::min(u, static_cast<double>(kMostCuts))));
+        cuts_v = static_cast<int>(std::ceil(std::min(v, static_cast<double>(kMostCuts))));
+    }
+
+    void CutForMask(const NetShape& shape, double radius, double& u, double& v) const {
+        u = std::max(u, shape.length_u / (tolerance.mask_step * radius));
+        v = std::max(v, shape.length_v / (tolerance.mask_step * radius));
+    }
+
+    void EvaluateRows(int row) {
+        const std::array<double, 4> bv = Bernstein(static_cast<double>(row) / cuts_v);
+        const std::size_t count = fields.size();
+        for (Sheet& sheet : sheets) {
+            if (!sheet.drawn) continue;
+            sheet.row_above.resize(static_cast<std::size_t>(cuts_u + 1) * count);
+            for (std::size_t n = 0; n < count; ++n) {
+                const BezierNet& net = sheet.surface.nets[fields[n]];
+                std::array<double, 4> line{};
+                for (std::size_t c = 0; c < 4; ++c) {
+                    line[c] = bv[0] * net[c] + bv[1] * net[4 + c] + bv[2] * net[8 + c] +
+                              bv[3] * net[12 + c];
+                }
+                for (std::size_t i = 0; i <= static_cast<std::size_t>(cuts_u); ++i) {
+                    const std::array<double, 4>& bu = bernstein_u[i];
+                    sheet.row_above[i * count + n] =
+                        bu[0] * line[0] + bu[1] * line[1] + bu[2] * line[2] + bu[3] * line[3];
+                }
+            }
+        }
+    }
+
+    // Field n at corner k of piece i of the row, going round: (0,0), (1,0), (1,1), (0,1).
+    double Value(const Sheet& sheet, int i, int k, std::size_t n) const {
+        const std::vector<double>& row = k < 2 ? sheet.row_below : sheet.row_above;
+        const auto at = static_cast<std::size_t>(i + (k == 1 || k == 2 ? 1 : 0));
+        return row[at * fields.size() + n];
+    }
+
+    void Piece(std::size_t b, int i, int j, const WalkWindow& window, PieceSink& sink) {
+        const Sheet& sheet = sheets[b];
+        CornerPoints px;
+        Vec2d lo(1e300), hi(-1e300);
+        for (int k = 0; k < 4; ++k) {
+            const Vec2d p(Value(sheet, i, k, 0), Value(sheet, i, k, 1));
+            px[static_cast<std::size_t>(k)] = p;
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        if (hi.x < window.x0 || lo.x > window.x1 || hi.y < window.y0 || lo.y > window.y1) return;
+        clip.Start(px);
+        if ((fields.size() > 2 || dead_corner >= 0) && !AddMasks(sheet, i, j)) return;
+        ++pieces;
+        clip.ForEachPart([&](const PiecePart& part) {
+            SetLight(ghost.bands[b], i, j, part);
+            sink.Add(part.px, light, static_cast<int>(b));
+        });
+    }
+
+    // False if a mask shuts the piece out.
+    bool AddMasks(const Sheet& sheet, int i, int j) {
+        std::size_t n = 2;
+        for (std::size_t c = 0; c < stop_cut.size(); ++c) {
+            if (!stop_cut[c]) continue;
+            CornerPoints p;
+            double farthest2 = 0.0;
+            for (int k = 0; k < 4; ++k) {
+                Vec2d& q = p[static_cast<std::size_t>(k)];
+                q = {Value(sheet, i, k, n), Value(sheet, i, k, n + 1)};
+                farthest2 = std::max(farthest2, q.length2());
+            }
+            n += 2;
+            if (farthest2 <= iris.inner_radius() * iris.inner_radius()) continue;
+            for (int edge = 0; edge < iris.edge_count(); ++edge) {
+                CornerValues values;
+                for (std::size_t k = 0; k < 4; ++k) values[k] = iris.EdgeDistance(edge, p[k]);
+                if (!clip.AddMask(values)) return false;
+            }
+        }
+        for (std::size_t r = 0; r < rim_cut.size(); ++r) {
+            if (!rim_cut[r]) continue;
+            CornerValues values;
+            for (int k = 0; k < 4; ++k) {
+                const double q = std::clamp(Value(sheet, i, k, n), -1.0, 1.0 - 1e-9);
+                values[static_cast<std::size_t>(k)] = std::sqrt((1.0 + q) / (1.0 - q)) - 1.0;
+            }
+            ++n;
+            if (!clip.AddMask(values)) return false;
+        }
+        return dead_corner < 0 || clip.AddMask(TriangleEdge(i, j));
+    }
+
+    // The line through the two corners next to the dead one: positive on its side.
+    CornerValues TriangleEdge(int i, int j) const {
+        CornerValues values;
+        for (int k = 0; k < 4; ++k) {
+            double a = static_cast<double>(i + (k == 1 || k == 2 ? 1 : 0)) / cuts_u;
+            double b = static_cast<double>(j + (k >= 2 ? 1 : 0)) / cuts_v;
+            if (dead_corner % 2 == 1) a = 1.0 - a;
+            if (dead_corner / 2 == 1) b = 1.0 - b;
+            values[static_cast<std::size_t>(k)] = 1.0 - a - b;
+        }
+        return values;
+    }
+
+    // The light on a part of piece (i, j): bilinear in the cell's lattice, at the part's middle.
+    void SetLight(const GhostLight::Band& band, int i, int j, const PiecePart& part) {
+        const int m = cell->light_cuts;
+        const double a = m * (i + part.middle.x) / cuts_u;
+        const double b = m * (j + part.middle.y) / cuts_v;
+        const int la = std::min(static_cast<int>(a), m - 1);
+        const int lb = std::min(static_cast<int>(b), m - 1);
+        const double fa = a - la;
+        const double fb = b - lb;
+        const double area = cell_area * part.share / (static_cast<double>(cuts_u) * cuts_v);
+        const std::size_t channels = light.size();
+        const std::size_t row = static_cast<std::size_t>(m + 1) * channels;
+        const double* const at = &band.light[cell->light_at + static_cast<std::size_t>(lb) * row +
+                                             static_cast<std::size_t>(la) * channels];
+        for (std::size_t c = 0; c < channels; ++c) {
+            light[c] = area * ((1.0 - fb) * ((1.0 - fa) * at[c] + fa * at[c + channels]) +
+                               fb * ((1.0 - fa) * at[c + row] + fa * at[c + row + channels]));
+        }
+    }
+};
+
+GhostWalk::GhostWalk(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
+                     const WalkTolerance& tolerance)
+    : work_(std::make_unique<Work>(ghost, iris, map, tolerance)) {}
+
+GhostWalk::~GhostWalk() = default;
+
+void GhostWalk::Cell(const GhostLight::Cell& cell, const WalkWindow& window, PieceSink& sink) {
+    work_->cell = &cell;
+    work_->Cell(window, sink);
+}
+
+std::uint64_t GhostWalk::pieces() const {
+    return work_->pieces;
+}
+
+CellBounds BoundCell(const GhostSurface& surface,
+                     const std::vector<std::vector<double>>& node_weights, const CellPlace& cell,
+                     const Iris& iris, const PictureMap& map) {
+    // Between the wavelengths that are looked at masks may move by a little.
+    constexpr double kOpenMargin = 1e-3;
+    CellBounds bounds;
+    CellSurface surface_nets;
+    const GhostMesh& mesh = surface.mesh();
+    if (surface.FarOutsideStop(cell, iris.outer_radius())) return bounds;
+    bounds.open = surface.UseOf(cell) != CellUse::kTriangle;
+    for (const std::vector<double>& weights : node_weights) {
+        surface.Evaluate(cell, weights, 0, mesh.field_count(), surface_nets);
+        std::vector<BezierNet>& nets = surface_nets.nets;
+        MapNets(nets[0], nets[1], map.px_per_x, map.px_per_y, map.offset_px);
+        bool shut = false;
+        for (int c = 0; c < mesh.stop_crossings; ++c) {
+            // A box in canonical coordinates; the distance from the axis is the same in the
+            // camera's.
+            const auto f = static_cast<std::size_t>(mesh.stop_field(c));
+            const NetRange x = RangeOf(nets[f]);
+            const NetRange y = RangeOf(nets[f + 1]);
+            shut = shut || NearestToOrigin(x, y) > iris.outer_radius();
+            bounds.open =
+                bounds.open && FarthestFromOrigin(x, y) < iris.inner_radius() * (1.0 - kOpenMargin);
+        }
+        for (int r = 0; r < static_cast<int>(mesh.rims.size()); ++r) {
+            const NetRange rim = RangeOf(nets[static_cast<std::size_t>(mesh.rim_field(r))]);
+            shut = shut || rim.lo > 0.0;
+            bounds.open = bounds.open && rim.hi < -kOpenMargin;
+        }
+        if (shut) continue;
+        const NetRange x = RangeOf(nets[0]);
+        const NetRange y = RangeOf(nets[1]);
+        bounds.x0 = bounds.passes ? std::min(bounds.x0, x.lo) : x.lo;
+        bounds.x1 = bounds.passes ? std::max(bounds.x1, x.hi) : x.hi;
+        bounds.y0 = bounds.passes ? std::min(bounds.y0, y.lo) : y.lo;
+        bounds.y1 = bounds.passes ? std::max(bounds.y1, y.hi) : y.hi;
+        bounds.passes = true;
+    }
+    return bounds;
+}
+
+}  // namespace flare

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Walks over one ghost and hands out the pieces of it that reach the sensor: small
+// polygons on the picture, each with the light that falls on it. A piece is a part of a mesh cell
+// so small that the map from pupil to sensor is linear over it to a stated tolerance, clipped by
+// the iris at every stop crossing and by the rims. All pieces together carry exactly the light that
+// passes the masks, also at folds and where the ghost is a point.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/mesh/ghost_surface.h"
+#include "core/optics/iris.h"
+
+namespace flare {
+
+// Sensor (lens space, canonical azimuth) to picture: pixel = linear * mm + offset. Also turns stop
+// coordinates back by the azimuth, since the iris does not turn with the light.
+struct PictureMap {
+    Vec2d px_per_x{1.0, 0.0}, px_per_y{0.0, 1.0};  // pixels a mm along canonical sensor x and y
+    Vec2d offset_px{0.0, 0.0};
+    double cos_azimuth = 1.0, sin_azimuth = 0.0;
+
+    Vec2d Pixel(double x_mm, double y_mm) const {
+        return offset_px + px_per_x * x_mm + px_per_y * y_mm;
+    }
+};
+
+// How finely a ghost is cut up.
+struct WalkTolerance {
+    double position_px = 0.05;   // a piece's edges against the smooth surface
+    double density_step = 0.03;  // relative change of irradiance across a piece
+    double smallest_px = 1.5;    // pieces are not cut smaller than this for density's sake
+    double largest_px = 16.0;
+    double mask_step = 0.06;  // length of a piece at a mask's edge, in units of its radius
+};
+
+// A prepared ghost: surface and light. Shared read-only by all threads.
+struct GhostLight {
+    std::shared_ptr<const GhostSurface> surface;
+    int channels = 1;
+
+    // A cell that is drawn, and where its light stands in Band::light: a lattice of light_cuts + 1
+    // points a side (more than the corners where transmittance bends sharply, as near the critical
+    // angle), row by row along v, `channels` numbers a point.
+    struct Cell {
+        CellPlace place;
+        double y0 = 0.0, y1 = 0.0;  // rows of the picture it may touch
+        bool open = false;          // no mask cuts it at any drawn wavelength
+        int light_cuts = 1;
+        std::size_t light_at = 0;
+    };
+    std::vector<Cell> cells;
+
+    // Drawn wavelengths: the weights of the traced nodes and the light per du dv (irradiance,
+    // transmittance and colour multiplied).
+    struct Band {
+        std::vector<double> node_weights;
+        std::vector<double> light;
+        int first_plane = 0;
+    };
+    std::vector<Band> bands;
+};
+
+// The part of the picture that is wanted, in pixels; pieces wholly outside may be left out.
+struct WalkWindow {
+    double x0 = -1e300, y0 = -1e300, x1 = 1e300, y1 = 1e300;
+};
+
+// Receives the pieces of a ghost.
+class PieceSink {
+  public:
+    virtual ~PieceSink() = default;
+    // A polygon in pixels (either orientation, simple) at one drawn wavelength and the light on it,
+    // one number a channel, in units of E0 mm^2.
+    virtual void Add(std::span<const Vec2d> points, std::span<const double> light, int band) = 0;
+    // All wavelengths of one part of the pupil have been added.
+    virtual void EndOfPiece() = 0;
+};
+
+class GhostWalk {
+  public:
+    // All arguments must outlive the walk.
+    GhostWalk(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
+              const WalkTolerance& tolerance);
+    ~GhostWalk();
+    GhostWalk(const GhostWalk&) = delete;
+    GhostWalk& operator=(const GhostWalk&) = delete;
+
+    // The pieces of one cell, at all drawn wavelengths, in an order that the window does not
+    // change.
+    void Cell(const GhostLight::Cell& cell, const WalkWindow& window, PieceSink& sink);
+
+    std::uint64_t pieces() const;
+
+  private:
+    struct Work;
+    std::unique_ptr<Work> work_;
+};
+
+// Where a cell may lie on the picture at the given wavelengths, whether the masks let any of it
+// pass, and whether they are open to all of it.
+struct CellBounds {
+    bool passes = false;
+    bool open = true;
+    double y0 = 0.0, y1 = 0.0, x0 = 0.0, x1 = 0.0;
+};
+CellBounds BoundCell(const GhostSurface& surface,
+                     const std::vector<std::vector<double>>& node_weights, const CellPlace& cell,
+                     const Iris& iris, const PictureMap& map);
+
+}  // namespace flare

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Draws the pieces that a GhostWalk hands out.
+#pragma once
+
+#include "core/image/ghost_walk.h"
+#include "core/image/polygon_raster.h"
+
+namespace flare {
+
+class RasterSink final : public PieceSink {
+  public:
+    RasterSink(const GhostLight& ghost, const RasterTarget& target)
+        : ghost_(ghost), raster_(target, ghost.channels) {}
+
+    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
+        raster_.Add(points, light, ghost_.bands[static_cast<std::size_t>(band)].first_plane);
+    }
+    void EndOfPiece() override { raster_.Flush(); }
+
+    std::uint64_t fragments() const { return raster_.fragments(); }
+
+  private:
+    const GhostLight& ghost_;
+    PolygonRaster raster_;
+};
+
+}  // namespace flare

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/render/renderer.h"
+
+namespace flare {
+namespace {
+
+Error Bad(std::string where, std::string message, std::string code = "bad_value") {
+    return {std::move(code), std::move(message), std::move(where)};
+}
+
+bool Finite(const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::optional<Error> CheckWindow(const ImageSpec& image) {
+    if (image.crop) {
+        const auto& [x, y, w, h] = *image.crop;
+        if (x < 0 || y < 0 || w < 1 || h < 1 || w > image.width - x || h > image.height - y) {
+            return Bad("/image/crop", "the crop must be a non-empty window inside the frame");
+        }
+    }
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (image.overscan[i] < 0 || image.overscan[i] > kMaxImageSide) {
+            return Bad("/image/overscan/" + std::to_string(i),
+                       "overscan must be 0 to " + std::to_string(kMaxImageSide) + " pixels");
+        }
+    }
+    const bool overscans = std::any_of(image.overscan.begin(), image.overscan.end(),
+                                       [](int pixels) { return pixels > 0; });
+    if (image.crop && overscans)
+        return Bad("/image/overscan", "crop and overscan exclude each other");
+    return std::nullopt;
+}
+
+std::optional<Error> CheckImage(const ImageSpec& image, int channels) {
+    for (const auto& [side, where] :
+         {std::pair{image.width, "/image/width"}, {image.height, "/image/height"}}) {
+        if (side < 1) return Bad(where, "must be at least 1 pixel");
+        if (side > kMaxImageSide) {
+            return Bad(where, "must be at most " + std::to_string(kMaxImageSide) + " pixels",
+                       "too_large");
+        }
+    }
+    if (!(image.sensor_width_mm > 0.0) || !(image.sensor_width_mm <= 1e4)) {
+        return Bad("/image/sensor_width_mm", "must be above 0 and at most 10000 mm");
+    }
+    if (!(image.pixel_aspect >= 1e-2) || !(image.pixel_aspect <= 1e2)) {
+        return Bad("/image/pixel_aspect", "must be 0.01 to 100");
+    }
+    for (const double offset : {image.center_offset_mm.x, image.center_offset_mm.y}) {
+        if (!(std::abs(offset) <= 1e4))
+            return Bad("/image/center_offset_mm", "must be within +-10000 mm");
+    }
+    if (auto error = CheckWindow(image)) return error;
+    const long long width =
+        image.crop ? (*image.crop)[2] : image.width + image.overscan[0] + image.overscan[2];
+    const long long height =
+        image.crop ? (*image.crop)[3] : image.height + image.overscan[1] + image.overscan[3];
+    if (width * height * std::max(1, channels / 3) > kMaxImagePixels) {
+        return Bad("/image",
+                   "the picture has more than " + std::to_string(kMaxImagePixels) + " pixels",
+                   "too_large");
+    }
+    return std::nullopt;
+}
+
+std::optional<Error> CheckLight(const LightSpec& light, std::size_t index) {
+    const std::string place = "/lights/" + std::to_string(index);
+    if (light.direction.has_value() == light.pixel.has_value()) {
+        return Bad(place, "a light has either a direction or a pixel");
+    }
+    if (light.direction) {
+        const Vec3d& d = *light.direction;
+        if (!Finite(d)) return Bad(place + "/direction", "must be finite");
+        if (d.x == 0.0 && d.y == 0.0 && d.z == 0.0)
+            return Bad(place + "/direction", "must not be zero");
+    }
+    if (light.pixel && !(std::abs(light.pixel->x) <= 1e6 && std::abs(light.pixel->y) <= 1e6)) {
+        return Bad(place + "/pixel", "must be within +-1000000");
+    }
+    if (light.distance_m && !(*light.distance_m > 0.0 && std::isfinite(*light.distance_m))) {
+        return Bad(place + "/distance_m", "must be above 0");
+    }
+    if (!Finite(light.irradiance) || light.irradiance.x < 0.0 || light.irradiance.y < 0.0 ||
+        light.irradiance.z < 0.0) {
+        return Bad(place + "/irradiance", "must be finite and not negative");
+    }
+    return std::nullopt;
+}
+
+std::optional<Error> CheckWavelengths(const FlareRequest& request) {
+    if (request.color != ColorMode::kSpectral) return std::nullopt;
+    const std::vector<double>& list = request.wavelengths_nm;
+    if (list.empty())
+        return Bad("/wavelengths_nm", "a spectral request names at least one wavelength");
+    if (list.size() > static_cast<std::size_t>(kMaxWavelengths)) {
+        return Bad("/wavelengths_nm",
+                   "at most " + std::to_string(kMaxWavelengths) + " wavelengths");
+    }
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const std::string place = "/wavelengths_nm/" + std::to_string(i);
+        if (!(list[i] >= 300.0 && list[i] <= 1100.0)) return Bad(place, "must be 300 to 1100 nm");
+        if (std::count(list.begin(), list.end(), list[i]) > 1) return Bad(place, "is named twice");
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Error> CheckRequest(const FlareRequest& request) {
+    if (request.lens == nullptr) return Bad("/lens", "a request names a lens");
+    if (request.f_number && !(*request.f_number > 0.0 && *request.f_number <= 1e4)) {
+        return Bad("/f_number", "must be above 0 and at most 10000");
+    }
+    const IrisShape& iris = request.iris;
+    if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
+        return Bad("/iris/blades", "must be 0 (round) or 3 to 32");
+    }
+    if (!(iris.roundness >= 0.0 && iris.roundness <= 1.0))
+        return Bad("/iris/roundness", "must be 0 to 1");
+    if (!(std::abs(iris.rotation_deg) <= 36'000.0)) {
+        return Bad("/iris/rotation_deg", "must be within +-36000 degrees");
+    }
+    const int channels =
+        request.color == ColorMode::kSpectral
+            ? static_cast<int>(std::min<std::size_t>(request.wavelengths_nm.size(), 100'000))
+            : 3;
+    if (auto error = CheckImage(request.image, channels)) return error;
+    if (auto error = CheckWavelengths(request)) return error;
+    if (request.lights.size() > static_cast<std::size_t>(kMaxLights)) {
+        return Bad("/lights", "at most " + std::to_string(kMaxLights) + " lights", "too_large");
+    }
+    for (std::size_t i = 0; i < request.lights.size(); ++i) {
+        if (auto error = CheckLight(request.lights[i], i)) return error;
+    }
+    return std::nullopt;
+}
+
+}  // namespace flare

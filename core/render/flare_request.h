@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What to render: the request of POST /v1/flare in the core's own words, with the lens already
+// loaded. Plain values; CheckRequest says what is wrong with them, with the JSON pointer of the
+// field.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/vec.h"
+#include "core/optics/iris.h"
+#include "core/optics/lens.h"
+
+namespace flare {
+
+enum class Projection { kAuto, kRectilinear, kLens };
+enum class Units { kSceneLinear, kSensorIrradiance };
+enum class ColorMode { kLinRec709, kSpectral };
+enum class QualityPreset { kDraft, kPreview, kFinal, kReference };
+
+struct ImageSpec {
+    int width = 0, height = 0;  // of the full frame, pixels
+    double sensor_width_mm = 36.0;
+    Vec2d center_offset_mm{0.0,
+                           0.0};  // where the optical axis meets the image, right and up of centre
+    double pixel_aspect = 1.0;    // width of a pixel over its height, on the sensor
+    std::optional<std::array<int, 4>> crop;   // x, y, w, h inside the full frame
+    std::array<int, 4> overscan{0, 0, 0, 0};  // left, top, right, bottom, pixels
+    Projection projection = Projection::kAuto;
+};
+
+struct LightSpec {
+    std::optional<Vec3d>
+        direction;               // camera axes (x right, y up, z into the scene), towards the light
+    std::optional<Vec2d> pixel;  // or the place in the full frame, from its top left corner
+    std::optional<double> distance_m;  // from the centre of the entrance pupil; absent: infinity
+    Vec3d irradiance{1.0, 1.0, 1.0};   // E0 on a plane perpendicular to the direction, RGB
+};
+
+struct FlareRequest {
+    std::shared_ptr<const Lens> lens;
+    std::optional<double> f_number;  // absent: the lens's own
+    IrisShape iris;
+    ImageSpec image;
+    std::vector<LightSpec> lights;
+    Units units = Units::kSceneLinear;
+    ColorMode color = ColorMode::kLinRec709;
+    std::vector<double> wavelengths_nm;  // for kSpectral
+    QualityPreset quality = QualityPreset::kPreview;
+};
+
+// Limits of a request; the wire has its own copy in protocol/limits.h and the two are tested equal.
+inline constexpr int kMaxLights = 100'000;
+inline constexpr int kMaxImageSide = 16'384;
+inline constexpr long long kMaxImagePixels = 1LL << 26;
+inline constexpr int kMaxWavelengths = 1'000;
+
+}  // namespace flare

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/ghost_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/render/quality.h"
+
+namespace flare {
+namespace {
+
+// Which vertices of each grid belong to cells that are drawn.
+std::vector<std::vector<std::uint8_t>> UsedVertices(const GhostMesh& mesh,
+                                                    const std::vector<GhostLight::Cell>& cells) {
+    std::vector<std::vector<std::uint8_t>> used;
+    for (const MeshGrid& grid : mesh.grids) used.emplace_back(grid.alive.size(), std::uint8_t{0});
+    for (const GhostLight::Cell& cell : cells) {
+        const auto g = static_cast<std::size_t>(cell.place.grid);
+        for (int corner = 0; corner < 4; ++corner) {
+            used[g][mesh.grids[g].Vertex(cell.place.i + corner % 2, cell.place.j + corner / 2)] = 1;
+        }
+    }
+    return used;
+}
+
+// How far apart the ends of the drawn range land, at most, in pixels.
+double DispersionPx(const GhostMesh& mesh, const std::vector<std::vector<std::uint8_t>>& used,
+                    const std::vector<double>& traced, const PictureMap& map) {
+    const std::vector<double> low = NodeWeights(traced, kDrawnLow_nm);
+    const std::vector<double> high = NodeWeights(traced, kDrawnHigh_nm);
+    const auto fields = static_cast<std::size_t>(mesh.field_count());
+    double largest = 0.0;
+    for (std::size_t g = 0; g < mesh.grids.size(); ++g) {
+        for (std::size_t v = 0; v < used[g].size(); ++v) {
+            if (used[g][v] == 0 || mesh.grids[g].alive[v] == 0) continue;
+            double dx = 0.0;
+            double dy = 0.0;
+            for (std::size_t k = 0; k < traced.size(); ++k) {
+                const float* const f = &mesh.grids[g].nodes[k].fields[v * fields];
+                dx += (high[k] - low[k]) * static_cast<double>(f[0]);
+                dy += (high[k] - low[k]) * static_cast<double>(f[1]);
+            }
+            largest = std::max(largest, (map.px_per_x * dx + map.px_per_y * dy).length());
+        }
+    }
+    return largest;
+}
+
+// Transmittance times flux density over the cells of one ghost, at each wavelength of the tables.
+class CellLight {
+  public:
+    CellLight(const GhostSurface& surface, const LightBundle& bundle,
+              const TransmissionTables& tables, const TransmissionTables::Path& path)
+        : surface_(surface), mesh_(surface.mesh()), bundle_(bundle), path_(path) {
+        const std::vector<double> traced = TracedWavelengths(mesh_);
+        for (const double wavelength : tables.wavelengths_nm()) {
+            weights_.push_back(NodeWeights(traced, wavelength));
+        }
+        for (const MeshGrid& grid : mesh_.grids) at_vertex_.emplace_back(grid.alive.size());
+    }
+
+    std::size_t wavelengths() const { return weights_.size(); }
+
+    // How finely the cell's light must be sampled: the corners, unless the light at the middle is
+    // not their mean.
+    int CutsOf(const CellPlace& place) {
+        SetCell(place);
+        const std::size_t last = weights_.size() - 1;
+        int cuts = 1;
+        for (const std::size_t band : {std::size_t{0}, last / 2, last}) {
+            double sum = 0.0;
+            for (std::size_t corner = 0; corner < 4; ++corner) {
+                sum += Weight(band, corner % 2 == 0 ? 0.0 : 1.0, corner < 2 ? 0.0 : 1.0);
+            }
+            const double miss =
+                std::abs(Weight(band, 0.5, 0.5) - 0.25 * sum) / std::max(sum, 1e-300);
+            if (miss > 5e-3) return 16;
+            if (miss > 2e-4) cuts = 4;
+        }
+        // R has a square-root edge at the critical angle, which the middle alone may not show.
+        return NearCriticalAngle() ? 16 : cuts;
+    }
+
+    // Light at lattice point (a, b) of the cell, 0..1.
+    void At(const CellPlace& place, int cuts, int i, int j, std::vector<double>& out) {
+        if (cuts == 1 && surface_.UseOf(place) != CellUse::kTriangle) {
+            // A vertex serves four cells.
+            const auto g = static_cast<std::size_t>(place.grid);
+            std::vector<double>& kept =
+                at_vertex_[g][mesh_.grids[g].Vertex(place.i + i, place.j + j)];
+            if (kept.empty()) Compute(place, i, j, kept);
+            out = kept;
+            return;
+        }
+        Compute(place, static_cast<double>(i) / cuts, static_cast<double>(j) / cuts, out);
+    }
+
+  private:
+    void Compute(const CellPlace& place, double a, double b, std::vector<double>& out) {
+        SetCell(place);
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        const double density = bundle_.FluxDensity(grid.u0 + (place.i + a) * grid.du,
+                                                   grid.v0 + (place.j + b) * grid.dv);
+        out.resize(weights_.size());
+        for (std::size_t band = 0; band < weights_.size(); ++band)
+            out[band] = density * Weight(band, a, b);
+    }
+
+    bool NearCriticalAngle() const {
+        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        for (std::size_t at = 0; at < corners_.size(); at += steps) {
+            for (std::size_t s = 0; s < steps; ++s) {
+                if (corners_[at + s] < 0.04 && corners_[at + s] > -0.04) return true;
+            }
+        }
+        return false;
+    }
+
+    // Gathers the cosines at the cell's corners, a dead one filled in by the parallelogram rule.
+    void SetCell(const CellPlace& place) {
+        if (place.grid == cell_.grid && place.i == cell_.i && place.j == cell_.j) return;
+        cell_ = place;
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        corners_.assign(grid.nodes.size() * 4 * steps, 0.0);
+        const int dead =
+            surface_.UseOf(place) == CellUse::kTriangle ? surface_.DeadCorner(place) : -1;
+        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
+            double* const at = &corners_[k * 4 * steps];
+            for (int corner = 0; corner < 4; ++corner) {
+                const std::size_t vertex = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
+                for (std::size_t s = 0; s < steps; ++s) {
+                    at[static_cast<std::size_t>(corner) * steps + s] =
+                        static_cast<double>(grid.nodes[k].rare_cos2[vertex * steps + s]);
+                }
+            }
+            if (dead < 0) continue;
+            const auto d = static_cast<std::size_t>(dead);
+            for (std::size_t s = 0; s < steps; ++s) {
+                at[d * steps + s] =
+                    at[(d ^ 1U) * steps + s] + at[(d ^ 2U) * steps + s] - at[(d ^ 3U) * steps + s];
+            }
+        }
+    }
+
+    double Weight(std::size_t band, double a, double b) {
+        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        cosines_.assign(steps, 0.0);
+        const std::array<double, 4> w = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b,
+                                         a * b};
+        for (std::size_t k = 0; k < weights_[band].size(); ++k) {
+            for (std::size_t corner = 0; corner < 4; ++corner) {
+                const double share = weights_[band][k] * w[corner];
+                if (share == 0.0) continue;
+                const double* const at = &corners_[(k * 4 + corner) * steps];
+                for (std::size_t s = 0; s < steps; ++s) cosines_[s] += share * at[s];
+            }
+        }
+        return path_.Weight(static_cast<int>(band), cosines_);
+    }
+
+    const GhostSurface& surface_;
+    const GhostMesh& mesh_;
+    const LightBundle& bundle_;
+    const TransmissionTables::Path& path_;
+    std::vector<std::vector<double>> weights_;
+    std::vector<std::vector<std::vector<double>>> at_vertex_;  // [grid][vertex][wavelength]
+    CellPlace cell_{-1, -1, -1};
+    std::vector<double> corners_;  // [node][corner][interaction]
+    std::vector<double> cosines_;
+};
+
+}  // namespace
+
+std::vector<double> TracedWavelengths(const GhostMesh& mesh) {
+    std::vector<double> wavelengths;
+    if (mesh.grids.empty()) return wavelengths;
+    for (const MeshNode& node : mesh.grids.front().nodes) wavelengths.push_back(node.wavelength_nm);
+    return wavelengths;
+}
+
+std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
+                                            const std::vector<double>& wavelengths_nm,
+                                            const Iris& iris, const PictureMap& map,
+                                            const WalkWindow& window) {
+    std::vector<GhostLight::Cell> cells;
+    const std::vector<double> traced = TracedWavelengths(surface.mesh());
+    std::vector<std::vector<double>> weights;
+    for (const double wavelength : wavelengths_nm)
+        weights.push_back(NodeWeights(traced, wavelength));
+    for (const CellPlace& place : surface.cells()) {
+        CellBounds b = BoundCell(surface, weights, place, iris, map);
+        if (!b.passes) continue;
+        if (weights.size() > 1) {
+            // Wavelengths between the ones bounded may reach a little farther.
+            const double dx = 0.25 * (b.x1 - b.x0) + 2.0;
+            const double dy = 0.25 * (b.y1 - b.y0) + 2.0;
+            b = {true, b.open, b.y0 - dy, b.y1 + dy, b.x0 - dx, b.x1 + dx};
+        }
+        if (b.x1 < window.x0 || b.x0 > window.x1 || b.y1 < window.y0 || b.y0 > window.y1) continue;
+        cells.push_back({place, b.y0, b.y1, b.open, 1, 0});
+    }
+    return cells;
+}
+
+GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
+                        const Lens& lens, const TransmissionTables& tables,
+                        const LightColour& colour, std::vector<GhostLight::Cell> cells,
+                        const PictureMap& map) {
+    GhostLight ghost;
+    ghost.cells = std::move(cells);
+    ghost.surface = surface;
+    ghost.channels = colour.spectral ? 1 : 3;
+    if (ghost.cells.empty()) return ghost;
+
+    const GhostMesh& mesh = surface->mesh();
+    const std::vector<double> traced = TracedWavelengths(mesh);
+    std::vector<double> drawn = tables.wavelengths_nm();
+    std::vector<BandShare> shares;
+    if (!colour.spectral) {
+        const double px = DispersionPx(mesh, UsedVertices(mesh, ghost.cells), traced, map);
+        const int count =
+            2 + static_cast<int>(std::min(px / colour.dispersion_step_px, colour.most_drawn - 2.0));
+        drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, count);
+        shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
+    }
+
+    const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);
+    CellLight light(*surface, bundle, tables, path);
+    const auto channels = static_cast<std::size_t>(ghost.channels);
+    std::size_t points = 0;
+    for (GhostLight::Cell& cell : ghost.cells) {
+        cell.light_cuts = light.CutsOf(cell.place);
+        cell.light_at = points * channels;
+        points += static_cast<std::size_t>(cell.light_cuts + 1) *
+                  static_cast<std::size_t>(cell.light_cuts + 1);
+    }
+    for (std::size_t b = 0; b < drawn.size(); ++b) {
+        ghost.bands.push_back({NodeWeights(traced, drawn[b]),
+                               std::vector<double>(points * channels, 0.0),
+                               colour.spectral ? static_cast<int>(b) : 0});
+    }
+
+    std::vector<double> passed;
+    for (const GhostLight::Cell& cell : ghost.cells) {
+        std::size_t at = cell.light_at;
+        for (int j = 0; j <= cell.light_cuts; ++j) {
+            for (int i = 0; i <= cell.light_cuts; ++i, at += channels) {
+                light.At(cell.place, cell.light_cuts, i, j, passed);
+                if (colour.spectral) {
+                    for (std::size_t b = 0; b < drawn.size(); ++b) {
+                        ghost.bands[b].light[at] = colour.irradiance * passed[b];
+                    }
+                    continue;
+                }
+                for (const BandShare& share : shares) {
+                    double* const out =
+                        &ghost.bands[static_cast<std::size_t>(share.drawn)].light[at];
+                    const double t = passed[static_cast<std::size_t>(share.colour)];
+                    out[0] += t * share.rgb.x;
+                    out[1] += t * share.rgb.y;
+                    out[2] += t * share.rgb.z;
+                }
+            }
+        }
+    }
+    return ghost;
+}
+
+}  // namespace flare

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Brings a traced ghost and a light together: which cells of the mesh can put light on the picture,
+// at how many wavelengths the ghost must be drawn, and how much light of each colour every vertex
+// carries.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/image/ghost_walk.h"
+#include "core/mesh/transmission.h"
+#include "core/spectrum/wavelength_plan.h"
+#include "core/tracing/light_bundle.h"
+
+namespace flare {
+
+// The colours in which a light is drawn: spectral planes, or Rec.709.
+struct LightColour {
+    bool spectral = false;
+    double irradiance = 1.0;  // spectral: E0
+    Spectrum power{};         // colour: the light's spectrum
+    double dispersion_step_px = 4.0;
+    int most_drawn = 24;
+};
+
+// The cells of a ghost that the iris lets pass and that may touch `window`, over the wavelengths
+// `drawn_nm`.
+std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
+                                            const std::vector<double>& wavelengths_nm,
+                                            const Iris& iris, const PictureMap& map,
+                                            const WalkWindow& window);
+
+// `tables` holds the colour bands (colour) or the request's wavelengths (spectral).
+GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
+                        const Lens& lens, const TransmissionTables& tables,
+                        const LightColour& colour, std::vector<GhostLight::Cell> cells,
+                        const PictureMap& map);
+
+// The wavelengths that geometry is traced at.
+std::vector<double> TracedWavelengths(const GhostMesh& mesh);
+
+}  // namespace flare

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a quality preset means: how densely a ghost is traced, coloured and cut up.
+#pragma once
+
+#include "core/image/ghost_walk.h"
+#include "core/render/flare_request.h"
+
+namespace flare {
+
+struct QualitySettings {
+    int mesh_cells = 32;                  // along each side of a ghost's pass region
+    int patch_cells = 8;                  // of the finer grid where that is too coarse or rays die
+    double position_tolerance_mm = 0.03;  // of interpolation in the mesh
+    double mask_tolerance = 0.01;
+    int traced_wavelengths = 3;
+    int colour_bands = 21;            // where transmittances are evaluated, 380-780 nm
+    double dispersion_step_px = 4.0;  // between two drawn wavelengths
+    int most_drawn = 24;
+    WalkTolerance walk;
+};
+
+QualitySettings SettingsOf(QualityPreset preset);
+
+// Wavelengths that geometry is traced and drawn over for colour; light beyond is drawn at the ends.
+inline constexpr double kTracedLow_nm = 390.0, kTracedHigh_nm = 730.0;
+inline constexpr double kDrawnLow_nm = 400.0, kDrawnHigh_nm = 700.0;
+
+}  // namespace flare

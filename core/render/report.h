@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a render did. `Facts` follow from the request alone and may stand in the image; `Work`
+// depends on caches, threads and the machine and stands only in the report.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/vec.h"
+
+namespace flare {
+
+struct LightFacts {
+    Vec3d direction{0.0, 0.0, 1.0};  // camera axes, unit length, towards the light
+    double field_deg = 0.0;          // angle to the axis
+    bool chief_ray_arrives = false;
+    Vec2d sensor_mm{0.0, 0.0};  // where the chief ray lands: x right, y up as the image shows it
+    Vec2d pixel{0.0, 0.0};      // the same in the full frame
+};
+
+struct GhostFacts {
+    std::vector<int> sequence;
+    std::string model;      // which physics ran for it: "geometric"
+    double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
+                            // line (or the first wavelength of a spectral request)
+};
+
+struct Facts {
+    double f_number = 0.0;  // after clamping
+    double working_f_number = 0.0;
+    double t_axis = 0.0;
+    double scene_linear_factor = 1.0;  // multiply sensor irradiance by this for scene_linear
+    std::vector<std::string>
+        clamped;                     // JSON pointers of values that were clamped, with "from -> to"
+    double culled_flux_mm2 = 0.0;    // light left out on purpose
+    std::vector<LightFacts> lights;  // the first 64
+    std::vector<GhostFacts> ghosts;
+    double estimated_error = 0.0;  // relative L1 against the converged image; see docs/accuracy.md
+    std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder
+};
+
+struct Work {
+    std::uint64_t rays_traced = 0;
+    std::uint64_t ray_surfaces = 0;
+    std::uint64_t cells = 0;      // mesh cells looked at
+    std::uint64_t polygons = 0;   // pieces of cells spread over pixels
+    std::uint64_t fragments = 0;  // pixels touched, counted once a piece
+    std::uint64_t mesh_hits = 0, mesh_misses = 0;
+    double mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
+};
+
+struct Report {
+    Facts facts;
+    Work work;
+};
+
+}  // namespace flare
