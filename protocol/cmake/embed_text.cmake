@@ -1,0 +1,15 @@
+# Turns the text file INPUT into a C++ source OUTPUT that defines flare::OpenApiDocument(). The text
+# is cut into pieces, because compilers need not take one literal of more than 64 KiB.
+file(READ ${INPUT} text)
+string(LENGTH "${text}" length)
+set(pieces "")
+set(at 0)
+while(at LESS length)
+    string(SUBSTRING "${text}" ${at} 8000 piece)
+    string(APPEND pieces "    R\"text(${piece})text\"\n")
+    math(EXPR at "${at} + 8000")
+endwhile()
+file(WRITE ${OUTPUT}.new
+    "#include \"protocol/openapi.h\"\n\nstd::string_view flare::OpenApiDocument() {\n    return\n${pieces}    ;\n}\n")
+configure_file(${OUTPUT}.new ${OUTPUT} COPYONLY)
+file(REMOVE ${OUTPUT}.new)

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every limit on data from outside. A request that goes past one is refused with code "limit" (or
+// "too_large" for the body) and the place of the value; it is never cut down silently. Lengths are
+// mm, wavelengths nm, the rest as named.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace flare::limits {
+
+// The body as text.
+inline constexpr std::size_t kBodyBytes = std::size_t{16} << 20;
+inline constexpr int kJsonDepth = 16;                  // objects and arrays inside each other
+inline constexpr std::size_t kJsonValues = 2'000'000;  // values in one body, containers included
+inline constexpr std::size_t kJsonMembers = 64;        // members of one object
+inline constexpr std::size_t kJsonKeyBytes = 128;      // of a member's name
+inline constexpr std::size_t kStringBytes = 16'384;    // of any string
+inline constexpr std::size_t kNameBytes = 200;         // of a lens name
+
+// The HTTP message around it.
+inline constexpr std::size_t kHeaderBytes = 16'384;
+inline constexpr std::size_t kTargetBytes = 2'048;
+
+// The picture.
+inline constexpr int kImageSide = 16'384;  // pixels of the frame with its overscan
+// Of the picture: the crop, or the frame with its overscan; counted once for each three channels.
+inline constexpr std::int64_t kImagePixels = std::int64_t{1} << 26;
+inline constexpr double kMinSensorWidth_mm = 0.01;
+inline constexpr double kMaxSensorWidth_mm = 10'000.0;
+inline constexpr double kMaxCenterOffset_mm = 10'000.0;
+inline constexpr double kMinPixelAspect = 0.01;
+inline constexpr double kMaxPixelAspect = 100.0;
+inline constexpr std::size_t kWavelengths = 1'000;
+inline constexpr double kMinWavelength_nm = 300.0;
+inline constexpr double kMaxWavelength_nm = 1'100.0;
+
+// The light.
+inline constexpr std::size_t kLights = 100'000;
+inline constexpr double kMaxIrradiance = 1e30;  // in the request's own unit
+inline constexpr double kMinDistance_m = 1e-3;
+inline constexpr double kMaxDistance_m = 1e20;
+inline constexpr double kMaxPixelCoordinate = 1e6;
+
+// The lens.
+inline constexpr double kMinFNumber = 1e-3;
+inline constexpr double kMaxFNumber = 10'000.0;
+inline constexpr int kMinBlades = 3;
+inline constexpr int kMaxBlades = 32;
+inline constexpr double kMaxRotation_deg = 36'000.0;
+inline constexpr std::size_t kSurfaces = 100;              // of an inline prescription
+inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one
+
+// The ray tracer's input.
+inline constexpr std::size_t kTraceRays = 200'000;
+inline constexpr std::size_t kBounces = 8;
+
+// The report in a header.
+inline constexpr std::size_t kReportSummaryBytes = 4'096;
+
+}  // namespace flare::limits

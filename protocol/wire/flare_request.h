@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The body of POST /v1/flare as plain values, with defaults filled in. Only what is built has a
+// field here; the codec refuses the rest of the contract as "unsupported". Values are finite and
+// inside protocol/limits.h. Units stand in the names.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/wire/json_tree.h"
+
+namespace flare::wire {
+
+enum class Projection { kDefault, kRectilinear, kLens };
+enum class Units { kSceneLinear, kSensorIrradiance };
+enum class ColorSpace { kLinRec709, kSpectral };
+enum class Preset { kDraft, kPreview, kFinal, kReference };
+enum class Compression { kZip, kNone };
+enum class PixelType { kHalf, kFloat };
+enum class Ringing { kAuto, kOff };
+
+struct Iris {
+    int blades = 0;  // 0: round
+    double roundness = 0.0;
+    double rotation_deg = 0.0;
+};
+
+struct Image {
+    int width = 0, height = 0;
+    double sensor_width_mm = 0.0;
+    std::array<double, 2> center_offset_mm{0.0, 0.0};
+    double pixel_aspect = 1.0;
+    std::optional<std::array<int, 4>> crop;   // x, y, w, h
+    std::array<int, 4> overscan{0, 0, 0, 0};  // left, top, right, bottom
+    Projection projection = Projection::kDefault;
+};
+
+// Exactly one of direction and pixel is there.
+struct Light {
+    std::optional<std::array<double, 3>> direction;  // not zero; any length
+    std::optional<std::array<double, 2>> pixel;
+    std::optional<double> distance_m;  // absent: infinitely far
+    std::array<double, 3> irradiance{1.0, 1.0, 1.0};
+};
+
+struct Output {
+    Compression compression = Compression::kZip;
+    PixelType pixel = PixelType::kHalf;
+};
+
+// Exactly one of lens and prescription is there.
+struct FlareRequest {
+    std::optional<std::string> lens;
+    std::optional<JsonTree> prescription;
+    bool bare_glass = false;         // "coatings": "none"
+    std::optional<double> f_number;  // absent: the lens's own
+    Iris iris;
+    Image image;
+    std::vector<Light> lights;
+    Units units = Units::kSceneLinear;
+    ColorSpace color_space = ColorSpace::kLinRec709;
+    std::vector<double> wavelengths_nm;  // for kSpectral: at least one, all different
+    Preset preset = Preset::kPreview;
+    Ringing ringing = Ringing::kAuto;
+    Output output;
+};
+
+}  // namespace flare::wire
