@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The daemon's ghost meshes in memory: see single_flight_cache.h for what is promised. `max_bytes`
+// bounds the meshes that are kept, not those that renders in flight still hold.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/mesh/mesh_provider.h"
+#include "server/cache/single_flight_cache.h"
+
+namespace flare {
+
+class MeshCache final : public MeshProvider {
+  public:
+    explicit MeshCache(std::size_t max_bytes);
+
+    Result<Found> Get(const Fingerprint& key, const Build& build,
+                      const CancelToken& cancel) override;
+    CacheStats stats() const { return cache_.stats(); }
+    // For all meshes that were ever built, also for requests that were given up later.
+    std::uint64_t rays_traced() const { return rays_traced_; }
+
+  private:
+    std::atomic<std::uint64_t> rays_traced_ = 0;
+    SingleFlightCache<GhostMesh> cache_;
+};
+
+}  // namespace flare

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What is counted here lives in prometheus-cpp's registry; what others count already (the cache,
+// the queue) is read when the text is made, so that no number is kept twice.
+#include "server/counters_table.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/histogram.h>
+#include <prometheus/metric_family.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <vector>
+
+namespace flare {
+namespace {
+
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+
+const prometheus::Histogram::BucketBoundaries kSecondsBuckets{
+    0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300};
+
+MetricFamily Single(const char* name, const char* help, MetricType type, double value) {
+    MetricFamily family{name, help, type, {}};
+    prometheus::ClientMetric metric;
+    if (type == MetricType::Counter) {
+        metric.counter.value = value;
+    } else {
+        metric.gauge.value = value;
+    }
+    family.metric.push_back(metric);
+    return family;
+}
+
+}  // namespace
+
+struct CountersTable::State {
+    prometheus::Registry registry;
+    prometheus::Family<prometheus::Counter>& requests =
+        prometheus::BuildCounter()
+            .Name("flared_requests_total")
+            .Help("Requests answered, by route and HTTP status; 499: the client left")
+            .Register(registry);
+    prometheus::Family<prometheus::Histogram>& seconds =
+        prometheus::BuildHistogram()
+            .Name("flared_request_seconds")
+            .Help("Time from the end of a request to its reply, by route")
+            .Register(registry);
+    prometheus::Family<prometheus::Counter>& rejected =
+        prometheus::BuildCounter()
+            .Name("flared_requests_rejected_total")
+            .Help("Requests turned away for want of room or time, by reason")
+            .Register(registry);
+};
+
+CountersTable::CountersTable(const std::string& version) : state_(std::make_unique<State>()) {
+    prometheus::BuildGauge()
+        .Name("flared_build_info")
+        .Help("1, with the program's version")
+        .Register(state_->registry)
+        .Add({{"version", version}})
+        .Set(1.0);
+    // Reasons that never occurred are shown as 0, so that an alert on them can be written.
+    for (const char* reason :
+         {"queue_full", "memory", "deadline", "draining", "connections", "slow_client"}) {
+        state_->rejected.Add({{"reason", reason}});
+    }
+}
+
+CountersTable::~CountersTable() = default;
+
+void CountersTable::CountRequest(const std::string& route, int code, double seconds) {
+    state_->requests.Add({{"route", route}, {"code", std::to_string(code)}}).Increment();
+    state_->seconds.Add({{"route", route}}, kSecondsBuckets).Observe(seconds);
+}
+
+void CountersTable::CountRejection(const std::string& reason) {
+    state_->rejected.Add({{"reason", reason}}).Increment();
+}
+
+std::string CountersTable::Text(const GaugeReadings& readings) const {
+    std::vector<MetricFamily> families = state_->registry.Collect();
+    const auto add = [&](const char* name, const char* help, MetricType type, double value) {
+        families.push_back(Single(name, help, type, value));
+    };
+    const CacheStats& cache = readings.cache.meshes;
+    add("flared_rays_traced_total", "Rays traced through lenses for ghost meshes",
+        MetricType::Counter, static_cast<double>(readings.cache.rays_traced));
+    add("flared_mesh_cache_hits_total", "Meshes that nobody had to trace", MetricType::Counter,
+        static_cast<double>(cache.hits));
+    add("flared_mesh_cache_misses_total", "Meshes that were traced", MetricType::Counter,
+        static_cast<double>(cache.misses));
+    add("flared_mesh_cache_evictions_total", "Meshes dropped to make room", MetricType::Counter,
+        static_cast<double>(cache.evictions));
+    add("flared_mesh_cache_bytes", "Bytes of the meshes kept", MetricType::Gauge,
+        static_cast<double>(cache.bytes));
+    add("flared_mesh_cache_entries", "Meshes kept", MetricType::Gauge,
+        static_cast<double>(cache.entries));
+    add("flared_queue_depth", "Requests that wait for a worker", MetricType::Gauge,
+        static_cast<double>(readings.queue_depth));
+    add("flared_connections", "Open connections", MetricType::Gauge,
+        static_cast<double>(readings.connections));
+    add("flared_draining", "1 while the daemon is going down", MetricType::Gauge,
+        readings.draining ? 1.0 : 0.0);
+    return prometheus::TextSerializer().Serialize(families);
+}
+
+}  // namespace flare

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A channel's pixel is held as a double while light is added, then as two floats (in the root and
+// in its layer), while the encoder's lines, its output and the reply made of it grow to another 16
+// bytes at the very most (two uncompressed floats, twice).
+#include "server/picture_memory.h"
+
+#include <variant>
+
+#include "protocol/codec/flare_request_codec.h"
+
+namespace flare {
+namespace {
+
+constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 16;
+// The ghosts of one batch with their colour tables, whatever the picture's size.
+constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
+
+}  // namespace
+
+std::uint64_t PictureBytes(const wire::FlareRequest& request) {
+    const wire::Image& image = request.image;
+    std::int64_t width = image.width, height = image.height;
+    if (image.crop) {
+        width = (*image.crop)[2];
+        height = (*image.crop)[3];
+    } else {
+        width += image.overscan[0] + image.overscan[2];
+        height += image.overscan[1] + image.overscan[3];
+    }
+    const bool spectral = request.color_space == wire::ColorSpace::kSpectral;
+    const std::uint64_t channels = spectral ? request.wavelengths_nm.size() : 3;
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+    return kBytesPerRequest + pixels * channels * kBytesPerSample;
+}
+
+std::uint64_t PictureBytesOfBody(std::string_view body) {
+    const wire::Decoded<wire::FlareRequest> decoded = wire::DecodeFlareRequest(body);
+    const auto* request = std::get_if<wire::FlareRequest>(&decoded);
+    return request ? PictureBytes(*request) : 0;
+}
+
+}  // namespace flare

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/service.h"
+
+#include <cmath>
+
+#include "core/image/exr.h"
+#include "core/image/preview.h"
+#include "core/render/renderer.h"
+#include "protocol/codec/flare_request_codec.h"
+#include "server/translate/report_json.h"
+#include "server/translate/request_from_wire.h"
+
+namespace flare {
+namespace {
+
+struct Picture {
+    std::string bytes;
+    const char* content_type = "";
+    std::uint64_t saturated_pixels = 0;
+};
+
+// Pixels with a value that a half float cannot hold.
+std::uint64_t PixelsAboveHalf(const FlareImage& image) {
+    constexpr float kLargestHalf = 65504.0f;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < image.data.pixels(); ++i) {
+        for (const ImagePlane& plane : image.planes) {
+            if (std::abs(plane.values[i]) > kLargestHalf) {
+                ++count;
+                break;
+            }
+        }
+    }
+    return count;
+}
+
+Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& output) {
+    switch (format) {
+        case ReplyFormat::kPng:
+            return {EncodePng(image), "image/png", 0};
+        case ReplyFormat::kHalfPlanes:
+            return {EncodeHalfPlanes(image), "application/x-flare-half", PixelsAboveHalf(image)};
+        case ReplyFormat::kExr:
+            break;
+    }
+    ExrOptions options;
+    options.compression = output.compression == wire::Compression::kZip ? ExrCompression::kZip
+                                                                        : ExrCompression::kNone;
+    options.pixel = output.pixel == wire::PixelType::kHalf ? ExrPixel::kHalf : ExrPixel::kFloat;
+    ExrBytes exr = EncodeExr(image, options);
+    return {std::move(exr.bytes), "image/x-exr", exr.saturated_pixels};
+}
+
+}  // namespace
+
+Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
+                                const std::string& report_id, const ServiceContext& context) {
+    // Understand the request.
+    const wire::Decoded<wire::FlareRequest> decoded = wire::DecodeFlareRequest(body);
+    if (const wire::Refusal* refusal = wire::RefusalOf(decoded)) {
+        return Error{refusal->code, refusal->message, refusal->where};
+    }
+    const auto& wire_request = std::get<wire::FlareRequest>(decoded);
+    const Result<FlareRequest> request = RequestFromWire(wire_request, context.lenses);
+    if (!request) return request.error();
+
+    Result<Rendering> rendering =
+        Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms});
+    if (!rendering) return rendering.error();
+    FlareImage& image = rendering->image;
+    Report& report = rendering->report;
+
+    // Encode the picture with the facts that follow from the request alone.
+    ReplyFacts facts;
+    facts.id = report_id;
+    facts.request_hash = RequestHash(wire_request, *request->lens).hex();
+    AddFactAttributes(*request, report.facts, facts.request_hash, image);
+    const double start_ms = context.now_ms();
+    Picture picture = Encode(image, format, wire_request.output);
+    facts.encode_ms = context.now_ms() - start_ms;
+    facts.content_type = picture.content_type;
+    facts.window = image.data;
+    facts.bytes = picture.bytes.size();
+    facts.threads = context.threads.threads();
+    report.facts.saturated_pixels = picture.saturated_pixels;
+
+    ServiceReply reply;
+    reply.bytes = std::move(picture.bytes);
+    reply.content_type = picture.content_type;
+    reply.report_summary = ReportSummaryJson(*request, report, facts);
+    reply.report = ReportJson(*request, report, facts);
+    reply.request_hash = facts.request_hash;
+    reply.work = {report.work.rays_traced, report.work.mesh_hits, report.work.mesh_misses};
+    return reply;
+}
+
+}  // namespace flare

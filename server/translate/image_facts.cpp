@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Names of OpenEXR's standard attributes where there is one (lensModel, aperture in f-stops,
+// nominalFocalLength in mm); the rest begins with "flare". Focus is left out while every picture is
+// focused at infinity, which the attribute cannot say.
+#include <map>
+
+#include "server/translate/report_json.h"
+
+namespace flare {
+namespace {
+
+std::string Joined(const std::vector<std::string>& parts, const char* separator) {
+    std::string all;
+    for (const std::string& part : parts) all += (all.empty() ? "" : separator) + part;
+    return all;
+}
+
+// "geometric: 45", the number of ghosts for each model that ran.
+std::string ModelsText(const std::vector<GhostFacts>& ghosts) {
+    std::map<std::string, int> counts;
+    for (const GhostFacts& ghost : ghosts) ++counts[ghost.model];
+    std::vector<std::string> parts;
+    for (const auto& [model, count] : counts) {
+        parts.push_back(model + ": " + std::to_string(count));
+    }
+    return Joined(parts, "; ");
+}
+
+}  // namespace
+
+void AddFactAttributes(const FlareRequest& request, const Facts& facts,
+                       const std::string& request_hash, FlareImage& image) {
+    const Lens& lens = *request.lens;
+    const bool spectral = request.color == ColorMode::kSpectral;
+    auto& texts = image.text_attributes;
+    texts.emplace_back("lens", lens.name());
+    texts.emplace_back("lensModel", lens.name());
+    if (!lens.prescription().maker.empty()) {
+        texts.emplace_back("lensMake", lens.prescription().maker);
+    }
+    texts.emplace_back("flareRequestHash", request_hash);
+    texts.emplace_back("flareUnits",
+                       request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
+    texts.emplace_back("flareColorSpace", spectral ? "spectral" : "lin_rec709");
+    texts.emplace_back("flareModels", ModelsText(facts.ghosts));
+    if (!facts.clamped.empty()) texts.emplace_back("flareClamped", Joined(facts.clamped, "; "));
+    if (spectral) texts.emplace_back("spectralLayoutVersion", "1.0");
+
+    auto& numbers = image.number_attributes;
+    numbers.emplace_back("aperture", facts.f_number);
+    numbers.emplace_back("nominalFocalLength",
+                         lens.prescription().design_focal_mm.value_or(lens.first_order().efl_mm));
+    numbers.emplace_back("effectiveFocalLength", lens.first_order().efl_mm);
+    numbers.emplace_back("flareWorkingFNumber", facts.working_f_number);
+    numbers.emplace_back("flareAxialTransmittance", facts.t_axis);
+    numbers.emplace_back("flareSceneLinearFactor", facts.scene_linear_factor);
+    numbers.emplace_back("flareCulledFlux", facts.culled_flux_mm2);
+    numbers.emplace_back("flareEstimatedError", facts.estimated_error);
+}
+
+}  // namespace flare

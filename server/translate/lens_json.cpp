@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/translate/lens_json.h"
+
+#include "core/optics/paraxial.h"
+#include "protocol/codec/json_writer.h"
+
+namespace flare {
+namespace {
+
+using wire::JsonWriter;
+
+std::string_view KindName(SurfaceKind kind) {
+    switch (kind) {
+        case SurfaceKind::kSphere:
+            return "sphere";
+        case SurfaceKind::kPlane:
+            return "plane";
+        case SurfaceKind::kStop:
+            return "stop";
+    }
+    return "sphere";
+}
+
+void OptionalMember(JsonWriter& json, std::string_view name, const std::optional<double>& value) {
+    if (value) json.Member(name, *value);
+}
+void OptionalMember(JsonWriter& json, std::string_view name, const std::string& text) {
+    if (!text.empty()) json.Member(name, text);
+}
+
+// A surface with the keys and values that a lens file has for it.
+void WriteSurface(JsonWriter& json, const SurfacePrescription& surface) {
+    json.BeginInlineObject().Member("kind", KindName(surface.kind));
+    if (surface.radius_mm != 0.0) json.Member("radius_mm", surface.radius_mm);
+    if (surface.gap_given) json.Member("gap_mm", surface.gap_mm);
+    OptionalMember(json, "nd", surface.nd);
+    OptionalMember(json, "vd", surface.vd);
+    json.Member("semi_diameter_mm", surface.semi_diameter_mm);
+    if (surface.coating) json.Member("coating", *surface.coating);
+    json.End();
+}
+
+void WriteOrigin(JsonWriter& json, const Prescription& prescription) {
+    OptionalMember(json, "maker", prescription.maker);
+    OptionalMember(json, "patent", prescription.patent);
+    OptionalMember(json, "source", prescription.source);
+    OptionalMember(json, "notes", prescription.notes);
+    json.Key("design").BeginInlineObject();
+    OptionalMember(json, "focal_mm", prescription.design_focal_mm);
+    OptionalMember(json, "f_number", prescription.design_f_number);
+    OptionalMember(json, "image_circle_mm", prescription.design_image_circle_mm);
+    json.End();
+    json.Member("fisheye", prescription.fisheye);
+    json.Member("default_coating", prescription.default_coating);
+}
+
+double StopSemiDiameter(const Lens& lens) {
+    return lens.surfaces()[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm;
+}
+
+void WriteFirstOrder(JsonWriter& json, const Lens& lens) {
+    const FirstOrder& first = lens.first_order();
+    const double last_vertex_z_mm = lens.surfaces().back().vertex_z_mm;
+    json.Member("efl_mm", first.efl_mm);
+    json.Member("bfl_mm", first.bfl_mm);
+    json.Member("f_number", first.f_number);
+    json.Member("working_f_number", WorkingBeam(lens, StopSemiDiameter(lens)).working_f_number);
+    json.Member("t_axis", AxialTransmittance(lens, kLineD));
+    json.Member("stop_index", lens.stop_index());
+    json.Member("sensor_z_mm", lens.sensor_z_mm());
+    json.Member("last_vertex_z_mm", last_vertex_z_mm);
+    json.Key("entrance_pupil").BeginInlineObject();
+    json.Member("z_mm", first.entrance.z_mm).Member("diameter_mm", first.entrance.diameter_mm);
+    json.End();
+    json.Key("exit_pupil").BeginInlineObject();
+    json.Member("z_mm", first.exit.z_mm).Member("diameter_mm", first.exit.diameter_mm);
+    json.Member("z_from_last_vertex_mm", first.exit.z_mm - last_vertex_z_mm);
+    json.End();
+    json.Member("pupil_magnification", first.pupil_magnification);
+}
+
+}  // namespace
+
+std::string LensJson(const Lens& lens) {
+    JsonWriter json(JsonWriter::Style::kPretty);
+    json.BeginObject().Member("name", lens.name());
+    WriteOrigin(json, lens.prescription());
+    WriteFirstOrder(json, lens);
+    json.Key("surfaces").BeginArray();
+    for (const SurfacePrescription& surface : lens.prescription().surfaces) {
+        WriteSurface(json, surface);
+    }
+    json.End();
+    json.Key("vertex_z_mm").BeginRow();
+    for (const LensSurface& surface : lens.surfaces()) json.Value(surface.vertex_z_mm);
+    json.End();
+    json.Member("fingerprint", lens.fingerprint().hex());
+    json.End();
+    return json.Take();
+}
+
+std::string LensListJson(const LensLibrary& library) {
+    JsonWriter json(JsonWriter::Style::kPretty);
+    json.BeginObject().Key("lenses").BeginArray();
+    for (const std::string& name : library.Names()) {
+        const auto lens = library.Find(name);
+        if (!lens) continue;
+        json.BeginInlineObject().Member("name", name);
+        json.Member("efl_mm", (*lens)->first_order().efl_mm);
+        json.Member("f_number", (*lens)->first_order().f_number);
+        json.Member("surface_count", static_cast<int>((*lens)->surfaces().size()));
+        OptionalMember(json, "maker", (*lens)->prescription().maker);
+        json.End();
+    }
+    json.End().Key("broken").BeginArray();
+    for (const auto& [name, error] : library.broken()) {
+        json.BeginInlineObject().Member("name", name).Key("error").BeginObject();
+        json.Member("code", error.code).Member("message", error.message);
+        json.Member("where", error.where);
+        json.End().End();
+    }
+    json.End().End();
+    return json.Take();
+}
+
+std::string ErrorJson(const Error& error) {
+    return wire::EncodeRefusal({error.code, error.message, error.where});
+}
+
+}  // namespace flare

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/translate/report_json.h"
+
+#include <algorithm>
+#include <map>
+
+#include "protocol/codec/json_writer.h"
+#include "protocol/limits.h"
+
+namespace flare {
+namespace {
+
+using wire::JsonWriter;
+
+std::string_view QualityName(QualityPreset preset) {
+    switch (preset) {
+        case QualityPreset::kDraft:
+            return "draft";
+        case QualityPreset::kPreview:
+            return "preview";
+        case QualityPreset::kFinal:
+            return "final";
+        case QualityPreset::kReference:
+            return "reference";
+    }
+    return "preview";
+}
+
+void TextMember(JsonWriter& json, std::string_view name, const std::string& text) {
+    if (!text.empty()) json.Member(name, text);
+}
+
+void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& report,
+               const ReplyFacts& reply) {
+    TextMember(json, "id", reply.id);
+    TextMember(json, "request_hash", reply.request_hash);
+    json.Member("lens", request.lens->name());
+    TextMember(json, "content_type", reply.content_type);
+    json.Member("width", reply.window.width).Member("height", reply.window.height);
+    json.Member("bytes", reply.bytes);
+    json.Member("f_number", report.facts.f_number);
+    json.Member("saturated_pixels", report.facts.saturated_pixels);
+    json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
+    json.Member("estimated_error", report.facts.estimated_error);
+}
+
+void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
+    json.Key("work").BeginObject();
+    json.Member("rays_traced", work.rays_traced).Member("ray_surfaces", work.ray_surfaces);
+    json.Member("cells", work.cells).Member("polygons", work.polygons);
+    json.Member("fragments", work.fragments);
+    json.Member("pixels", static_cast<std::uint64_t>(reply.window.pixels()));
+    json.Member("mesh_cache_hits", work.mesh_hits).Member("mesh_cache_misses", work.mesh_misses);
+    json.Member("threads", reply.threads);
+    json.Key("time_ms").BeginInlineObject();
+    json.Member("mesh", work.mesh_ms).Member("raster", work.raster_ms);
+    json.Member("resolve", work.resolve_ms).Member("encode", reply.encode_ms);
+    json.End().End();
+}
+
+void WriteRow(JsonWriter& json, std::string_view name, Vec2d v) {
+    json.Key(name).BeginRow().Value(v.x).Value(v.y).End();
+}
+
+void WriteLights(JsonWriter& json, const std::vector<LightFacts>& lights) {
+    json.Key("lights").BeginArray();
+    for (const LightFacts& light : lights) {
+        json.BeginInlineObject().Key("direction").BeginRow();
+        json.Value(light.direction.x).Value(light.direction.y).Value(light.direction.z).End();
+        json.Member("field_deg", light.field_deg);
+        json.Member("chief_ray_arrives", light.chief_ray_arrives);
+        if (light.chief_ray_arrives) {
+            WriteRow(json, "sensor_mm", light.sensor_mm);
+            WriteRow(json, "pixel", light.pixel);
+        }
+        json.End();
+    }
+    json.End();
+}
+
+void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
+    json.Key("ghosts").BeginArray();
+    for (const GhostFacts& ghost : ghosts) {
+        json.BeginInlineObject().Key("sequence").BeginRow();
+        for (const int surface : ghost.sequence) json.Value(surface);
+        json.End().Member("model", ghost.model).Member("flux_mm2", ghost.flux_mm2).End();
+    }
+    json.End();
+}
+
+void WriteClamped(JsonWriter& json, const std::vector<std::string>& clamped) {
+    json.Key("clamped").BeginArray();
+    for (const std::string& text : clamped) json.Value(text);
+    json.End();
+}
+
+}  // namespace
+
+std::string ReportJson(const FlareRequest& request, const Report& report, const ReplyFacts& reply) {
+    const Facts& facts = report.facts;
+    JsonWriter json(JsonWriter::Style::kPretty);
+    json.BeginObject();
+    WriteHead(json, request, report, reply);
+    json.Member("working_f_number", facts.working_f_number).Member("t_axis", facts.t_axis);
+    json.Member("units",
+                request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
+    json.Member("scene_linear_factor", facts.scene_linear_factor);
+    json.Member("color_space", request.color == ColorMode::kSpectral ? "spectral" : "lin_rec709");
+    json.Key("quality").BeginInlineObject().Member("preset", QualityName(request.quality)).End();
+    // What physics ran, as against what was asked for.
+    json.Key("model").BeginInlineObject().Member("reflections", 2).Member("ringing", "off");
+    json.Member("sensor_reflection", false).End();
+    WriteClamped(json, facts.clamped);
+    json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));
+    WriteLights(json, facts.lights);
+    WriteGhosts(json, facts.ghosts);
+    WriteWork(json, report.work, reply);
+    json.End();
+    return json.Take();
+}
+
+std::string ReportSummaryJson(const FlareRequest& request, const Report& report,
+                              const ReplyFacts& reply) {
+    // The clamped values are the one part without a bound of its own: they go if there are too
+    // many.
+    for (const bool with_clamped : {true, false}) {
+        JsonWriter json(JsonWriter::Style::kCompact);
+        json.BeginObject();
+        WriteHead(json, request, report, reply);
+        if (with_clamped) {
+            WriteClamped(json, report.facts.clamped);
+        } else {
+            json.Member("clamped_count", static_cast<std::uint64_t>(report.facts.clamped.size()));
+        }
+        json.Member("ghosts", static_cast<std::uint64_t>(report.facts.ghosts.size()));
+        WriteWork(json, report.work, reply);
+        json.End();
+        std::string text = json.Take();
+        if (text.size() <= limits::kReportSummaryBytes) return text;
+    }
+    return "{}";
+}
+
+}  // namespace flare

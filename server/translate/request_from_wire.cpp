@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/translate/request_from_wire.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/optics/prescription_check.h"
+#include "core/optics/prescription_reader.h"
+#include "protocol/limits.h"
+#include "server/translate/document_from_json.h"
+
+namespace flare {
+namespace {
+
+Result<std::shared_ptr<const Lens>> BuildInline(const wire::JsonTree& tree) {
+    const auto at_root = [&](Error error) {
+        if (error.where.empty()) error.where = tree.pointer;
+        return error;
+    };
+    const Result<Prescription> prescription = ReadPrescription(DocumentFromJson(tree));
+    if (!prescription) return at_root(prescription.error());
+    if (prescription->name.size() > limits::kNameBytes) {
+        return Error{"limit",
+                     "the name is longer than " + std::to_string(limits::kNameBytes) + " bytes",
+                     tree.pointer + "/name"};
+    }
+    for (const Finding& finding : CheckPrescription(*prescription)) {
+        if (finding.severity == Severity::kError) {
+            return at_root({"bad_lens", finding.message, finding.where});
+        }
+    }
+    Result<std::shared_ptr<const Lens>> lens = Lens::Build(*prescription);
+    if (!lens) return at_root(lens.error());
+    return lens;
+}
+
+Projection ProjectionFromWire(wire::Projection projection) {
+    switch (projection) {
+        case wire::Projection::kDefault:
+            return Projection::kAuto;
+        case wire::Projection::kRectilinear:
+            return Projection::kRectilinear;
+        case wire::Projection::kLens:
+            return Projection::kLens;
+    }
+    return Projection::kAuto;
+}
+
+QualityPreset QualityFromWire(wire::Preset preset) {
+    switch (preset) {
+        case wire::Preset::kDraft:
+            return QualityPreset::kDraft;
+        case wire::Preset::kPreview:
+            return QualityPreset::kPreview;
+        case wire::Preset::kFinal:
+            return QualityPreset::kFinal;
+        case wire::Preset::kReference:
+            return QualityPreset::kReference;
+    }
+    return QualityPreset::kPreview;
+}
+
+ImageSpec ImageFromWire(const wire::Image& image) {
+    ImageSpec spec;
+    spec.width = image.width;
+    spec.height = image.height;
+    spec.sensor_width_mm = image.sensor_width_mm;
+    spec.center_offset_mm = Vec2d(image.center_offset_mm[0], image.center_offset_mm[1]);
+    spec.pixel_aspect = image.pixel_aspect;
+    spec.crop = image.crop;
+    spec.overscan = image.overscan;
+    spec.projection = ProjectionFromWire(image.projection);
+    return spec;
+}
+
+LightSpec LightFromWire(const wire::Light& light) {
+    LightSpec spec;
+    if (light.direction) spec.direction = DirectionFromWire(*light.direction);
+    if (light.pixel) spec.pixel = Vec2d((*light.pixel)[0], (*light.pixel)[1]);
+    spec.distance_m = light.distance_m;
+    spec.irradiance = Vec3d(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
+    return spec;
+}
+
+}  // namespace
+
+Vec3d DirectionFromWire(const std::array<double, 3>& direction) {
+    const double largest =
+        std::max({std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2])});
+    Vec3d scaled(direction[0], direction[1], direction[2]);
+    if (largest > 1e-100 && largest < 1e100) return scaled;
+    const int exponent = std::ilogb(largest);
+    return Vec3d(std::scalbn(scaled.x, -exponent), std::scalbn(scaled.y, -exponent),
+                 std::scalbn(scaled.z, -exponent));
+}
+
+Result<std::shared_ptr<const Lens>> LensFromWire(const std::optional<std::string>& name,
+                                                 const std::optional<wire::JsonTree>& prescription,
+                                                 bool bare_glass, const LensLibrary& library) {
+    Result<std::shared_ptr<const Lens>> lens =
+        prescription ? BuildInline(*prescription) : library.Find(name.value_or(""));
+    if (!lens) {
+        Error error = lens.error();
+        if (!prescription) error.where = "/lens";
+        return error;
+    }
+    if (bare_glass) return (*lens)->WithBareGlass();
+    return lens;
+}
+
+Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
+                                     const LensLibrary& library) {
+    Result<std::shared_ptr<const Lens>> lens =
+        LensFromWire(request.lens, request.prescription, request.bare_glass, library);
+    if (!lens) return lens.error();
+
+    FlareRequest translated;
+    translated.lens = *lens;
+    translated.f_number = request.f_number;
+    translated.iris = {request.iris.blades, request.iris.roundness, request.iris.rotation_deg};
+    translated.image = ImageFromWire(request.image);
+    translated.lights.reserve(request.lights.size());
+    for (const wire::Light& light : request.lights) {
+        translated.lights.push_back(LightFromWire(light));
+    }
+    translated.units =
+        request.units == wire::Units::kSceneLinear ? Units::kSceneLinear : Units::kSensorIrradiance;
+    translated.color = request.color_space == wire::ColorSpace::kSpectral ? ColorMode::kSpectral
+                                                                          : ColorMode::kLinRec709;
+    translated.wavelengths_nm = request.wavelengths_nm;
+    translated.quality = QualityFromWire(request.preset);
+    return translated;
+}
+
+}  // namespace flare
