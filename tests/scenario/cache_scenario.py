@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is traced once is not traced again, and nobody can tell from the picture."""
+import json
+import unittest
+
+from harness import Daemon, Scenario, at_once, small_request
+
+RAYS = "flared_rays_traced_total"
+
+
+class CacheScenario(Scenario):
+    def test_an_equal_request_traces_no_ray(self):
+        with Daemon() as daemon:
+            first = self.assert_ok(daemon.flare(small_request()))
+            rays = daemon.metric(RAYS)
+            self.assertGreater(rays, 0)
+            self.assertEqual(first.report["work"]["rays_traced"], rays)
+            second = self.assert_ok(daemon.flare(small_request()))
+            self.assertEqual(daemon.metric(RAYS), rays)
+            self.assertEqual(second.report["work"]["rays_traced"], 0)
+            self.assertEqual(second.body, first.body)
+
+    def test_the_iris_is_no_part_of_the_trace(self):
+        changes = [
+            {"f_number": 2.8},
+            {"f_number": 11},
+            {"f_number": None},
+            {"iris": {"blades": 6, "roundness": 0.2, "rotation_deg": 10}},
+            {"iris": {"blades": 9}},
+            {"coatings": "none"},
+            {"units": "sensor_irradiance"},
+            {"lights": [{"direction": [0.087, 0.05, 0.995], "irradiance": [3, 2, 1]}]},
+        ]
+        with Daemon() as daemon:
+            pictures = {self.assert_ok(daemon.flare(small_request())).body}
+            rays = daemon.metric(RAYS)
+            for change in changes:
+                pictures.add(self.assert_ok(daemon.flare(small_request(**change))).body)
+                self.assertEqual(daemon.metric(RAYS), rays, change)
+            self.assertEqual(len(pictures), 1 + len(changes), "each change must show")
+            self.assert_ok(daemon.flare(small_request(
+                lights=[{"direction": [0.2, 0.05, 0.995], "irradiance": [1, 1, 1]}])))
+            self.assertGreater(daemon.metric(RAYS), rays, "another light needs other rays")
+
+    def test_equal_requests_at_once_trace_the_rays_of_one(self):
+        with Daemon() as daemon:
+            alone = self.assert_ok(daemon.flare(small_request()))
+            rays_of_one = daemon.metric(RAYS)
+        with Daemon() as daemon:
+            replies = at_once(16, lambda _: daemon.flare(small_request()))
+            for reply in replies:
+                self.assertEqual(self.assert_ok(reply).body, alone.body)
+            metrics = daemon.metrics()
+            self.assertEqual(metrics[RAYS], rays_of_one)
+            self.assertEqual(sum(r.report["work"]["rays_traced"] for r in replies), rays_of_one)
+            self.assertEqual(metrics["flared_mesh_cache_hits_total"],
+                             15 * metrics["flared_mesh_cache_misses_total"])
+
+    def test_a_tiny_cache_evicts_and_gives_the_same_bytes(self):
+        requests = [small_request(lights=[{"direction": [0.05 * i, 0.02, 1.0]}])
+                    for i in range(3)]
+        with Daemon() as roomy, Daemon("--cache-mb", "2") as tiny:
+            expected = [self.assert_ok(roomy.flare(request)).body for request in requests]
+            for _ in range(2):
+                got = [self.assert_ok(tiny.flare(request)).body for request in requests]
+                self.assertEqual(got, expected)
+            metrics = tiny.metrics()
+            self.assertGreater(metrics["flared_mesh_cache_evictions_total"], 0)
+            self.assertLessEqual(metrics["flared_mesh_cache_bytes"], 2 << 20)
+            self.assertGreater(metrics[RAYS], roomy.metric(RAYS))
+
+    def test_the_same_bytes_everywhere(self):
+        request = small_request(iris={"blades": 7})
+        path = self.write("request.json", json.dumps(request))
+        self.run_flare("render", path, "-o", self.path("in_process.exr"))
+        with open(self.path("in_process.exr"), "rb") as file:
+            expected = file.read()
+        self.run_flare("render", path, "-o", self.path("again.exr"))
+        with open(self.path("again.exr"), "rb") as file:
+            self.assertEqual(file.read(), expected, "two runs")
+        for threads in (1, 2, 4):
+            with Daemon("--threads", str(threads)) as daemon:
+                self.assertEqual(self.assert_ok(daemon.flare(request)).body, expected, threads)
+                self.assertEqual(daemon.flare(request).body, expected, "warm")
+                for url in daemon.urls:
+                    self.run_flare("render", path, "-o", self.path("served.exr"), "--server", url)
+                    with open(self.path("served.exr"), "rb") as file:
+                        self.assertEqual(file.read(), expected, url)
+
+
+if __name__ == "__main__":
+    unittest.main()

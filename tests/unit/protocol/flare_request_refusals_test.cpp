@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The table of bad requests: each is refused with the right code at the right place, and none is
+// ever repaired, cut down or ignored.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "protocol/codec/flare_request_codec.h"
+#include "protocol/limits.h"
+
+namespace flare::wire {
+namespace {
+
+struct BadRequest {
+    const char* name;
+    std::string body;
+    const char* code;
+    const char* where;
+};
+
+void PrintTo(const BadRequest& bad, std::ostream* out) {
+    *out << bad.name;
+}
+
+constexpr char kImage[] = R"("image":{"width":192,"height":108,"sensor_width_mm":36})";
+constexpr char kLights[] = R"("lights":[{"direction":[0,0,1]}])";
+
+// A sound request with further members.
+std::string With(const std::string& members) {
+    return std::string(R"({"lens":"x",)") + kImage + "," + kLights + "," + members + "}";
+}
+std::string WithImage(const std::string& image) {
+    return std::string(R"({"lens":"x","image":)") + image + "," + kLights + "}";
+}
+std::string WithLights(const std::string& lights) {
+    return std::string(R"({"lens":"x",)") + kImage + R"(,"lights":)" + lights + "}";
+}
+// A second light after a sound one.
+std::string WithLight(const std::string& light) {
+    return WithLights(R"([{"direction":[0,0,1]},)" + light + "]");
+}
+std::string Repeated(const std::string& text, int count) {
+    std::string all;
+    for (int i = 0; i < count; ++i) all += text;
+    return all;
+}
+std::string ManyLights(int count) {
+    return WithLights("[" + Repeated(R"({"direction":[0,0,1]},)", count - 1) +
+                      R"({"direction":[0,0,1]}])");
+}
+std::string Surfaces(int count) {
+    return std::string(R"({"prescription":{"name":"p","surface":[)") +
+           Repeated(R"({"kind":"plane"},)", count - 1) + R"({"kind":"plane"}]},)" + kImage + "," +
+           kLights + "}";
+}
+
+class BadRequests : public testing::TestWithParam<BadRequest> {};
+
+TEST_P(BadRequests, AreRefusedWithCodeAndPlace) {
+    const BadRequest& bad = GetParam();
+    const Decoded<FlareRequest> decoded = DecodeFlareRequest(bad.body);
+    const Refusal* refusal = RefusalOf(decoded);
+    ASSERT_NE(refusal, nullptr) << "accepted: " << bad.body.substr(0, 200);
+    EXPECT_EQ(refusal->code, bad.code) << refusal->message;
+    EXPECT_EQ(refusal->where, bad.where) << refusal->message;
+    EXPECT_FALSE(refusal->message.empty());
+    EXPECT_LT(refusal->message.size(), 400u);
+}
+
+const BadRequest kSyntax[] = {
+    {"empty", "", "bad_json", "byte 1"},
+    {"blank", "  \n ", "bad_json", "byte 5"},
+    {"truncated", R"({"lens":"x","image":{"width":19)", "bad_json", "byte 32"},
+    {"truncated_string", R"({"lens":"x)", "bad_json", "byte 11"},
+    {"two_bodies", R"({"lens":"x"}{"lens":"x"})", "bad_json", "byte 13"},
+    {"trailing_garbage", R"({"lens":"x"} x)", "bad_json", "byte 14"},
+    {"trailing_comma", R"({"lens":"x",})", "bad_json", "byte 13"},
+    {"single_quotes", R"({'lens':'x'})", "bad_json", "byte 2"},
+    {"comment", R"({"lens":"x" /* c */})", "bad_json", "byte 13"},
+    {"nan", R"({"f_number":NaN})", "bad_json", "byte 13"},
+    {"infinity", R"({"f_number":Infinity})", "bad_json", "byte 13"},
+    {"minus_infinity", R"({"f_number":-Infinity})", "bad_json", "byte 14"},
+    {"leading_zero", R"({"f_number":04})", "bad_json", "byte 14"},
+    {"bare_point", R"({"f_number":.5})", "bad_json", "byte 13"},
+    {"hexadecimal", R"({"f_number":0x10})", "bad_json", "byte 14"},
+    {"raw_newline_in_string", "{\"lens\":\"a\nb\"}", "bad_json", "byte 11"},
+    {"invalid_utf8", "{\"lens\":\"a\xff\"}", "bad_json", "byte 11"},
+    {"overlong_utf8", "{\"lens\":\"\xc0\xaf\"}", "bad_json", "byte 10"},
+    {"lone_surrogate", R"({"lens":"\ud800"})", "bad_json", "byte 16"},
+    {"not_json", "lens = 'x'", "bad_json", "byte 1"},
+    {"binary", std::string("\0\1\2", 3), "bad_json", "byte 1"},
+    {"number_overflow", R"({"lens":"x","f_number":1e999})", "bad_value", "/f_number"},
+    {"number_overflow_in_array", WithLight(R"({"direction":[0,-1e400,1]})"), "bad_value",
+     "/lights/1/direction/1"},
+    {"duplicate_member", R"({"lens":"x","f_number":2,"lens":"y"})", "duplicate_key", "/lens"},
+    {"duplicate_member_inside", WithImage(R"({"width":1,"height":1,"width":2})"), "duplicate_key",
+     "/image/width"},
+    {"duplicate_by_escape", R"({"lens":"x","l\u0065ns":"y"})", "duplicate_key", "/lens"},
+    {"deep_arrays", Repeated("[", 100'000), "limit", "/0/0/0/0/0/0/0/0/0/0/0/0/0/0/0/0"},
+    {"deep_objects", With(R"("model":)" + Repeated(R"({"a":)", 40)), "limit",
+     "/model/a/a/a/a/a/a/a/a/a/a/a/a/a/a/a"},
+    {"body_is_array", "[]", "bad_type", ""},
+    {"body_is_null", "null", "bad_type", ""},
+    {"body_is_number", "1", "bad_type", ""},
+    {"too_many_members",
+     "{" +
+         [] {
+             std::string members;
+             for (int i = 0; i < 100; ++i) members += "\"a" + std::to_string(i) + "\":1,";
+             return members;
+         }() +
+         R"("z":1})",
+     "limit", ""},
+    {"long_key", "{\"" + std::string(1'000, 'k') + "\":1}", "limit", ""},
+    {"long_string", R"({"lens":")" + std::string(100'000, 'x') + "\"}", "limit", "/lens"},
+    {"too_many_values", "[" + Repeated("0,", 2'000'000) + "0]", "limit", ""},
+    {"too_large", std::string(limits::kBodyBytes + 1, ' '), "too_large", ""},
+};
+
+const BadRequest kFields[] = {
+    {"empty_object", "{}", "missing_field", "/lens"},
+    {"no_image", std::string(R"({"lens":"x",)") + kLights + "}", "missing_field", "/image"},
+    {"no_lights", std::string(R"({"lens":"x",)") + kImage + "}", "missing_field", "/lights"},
+    {"unknown_field", With(R"("colour":1)"), "unknown_field", "/colour"},
+    {"unknown_field_with_slash", With(R"("a/b~c":1)"), "unknown_field", "/a~1b~0c"},
+    {"field_in_capitals", With(R"("F_number":2)"), "unknown_field", "/F_number"},
+    {"lens_is_number", R"({"lens":5})", "bad_type", "/lens"},
+    {"lens_is_null", R"({"lens":null})", "bad_type", "/lens"},
+    {"lens_is_empty", R"({"lens":""})", "bad_value", "/lens"},
+    {"lens_name_is_long", R"({"lens":")" + std::string(201, 'x') + "\"}", "limit", "/lens"},
+    {"lens_and_prescription", With(R"("prescription":{"name":"p","surface":[]})"), "bad_value",
+     "/prescription"},
+    {"prescription_is_text", R"({"prescription":"x"})", "bad_type", "/prescription"},
+    {"prescription_too_long", Surfaces(101), "limit", "/prescription/surface"},
+    {"prescription_too_rich", R"({"prescription":{"name":[)" + Repeated("0,", 5'000) + "0]}}",
+     "limit", "/prescription"},
+    {"f_number_zero", With(R"("f_number":0)"), "bad_value", "/f_number"},
+    {"f_number_negative", With(R"("f_number":-4)"), "bad_value", "/f_number"},
+    {"f_number_text", With(R"("f_number":"4")"), "bad_type", "/f_number"},
+    {"f_number_null", With(R"("f_number":null)"), "bad_type", "/f_number"},
+    {"f_number_huge", With(R"("f_number":1e300)"), "limit", "/f_number"},
+    {"coatings_unknown", With(R"("coatings":"some")"), "bad_value", "/coatings"},
+    {"focus_zero", With(R"("focus_m":0)"), "bad_value", "/focus_m"},
+    {"units_unknown", With(R"("units":"lux")"), "bad_value", "/units"},
+    {"color_space_unknown", With(R"("color_space":"srgb")"), "bad_value", "/color_space"},
+    {"quality_empty", With(R"("quality":{})"), "missing_field", "/quality/preset"},
+    {"quality_unknown", With(R"("quality":{"preset":"best"})"), "bad_value", "/quality/preset"},
+    {"quality_is_text", With(R"("quality":"final")"), "bad_type", "/quality"},
+    {"layers_empty", With(R"("layers":[])"), "bad_value", "/layers"},
+    {"layers_twice", With(R"("layers":["ghosts","ghosts"])"), "bad_value", "/layers"},
+    {"layer_unknown", With(R"("layers":["ghosts","sparkle"])"), "bad_value", "/layers/1"},
+    {"layer_number", With(R"("layers":[1])"), "bad_type", "/layers/0"},
+    {"reflections_odd", With(R"("model":{"reflections":3})"), "bad_value", "/model/reflections"},
+    {"sensor_reflection_text", With(R"("model":{"sensor_reflection":"no"})"), "bad_type",
+     "/model/sensor_reflection"},
+    {"compression_unknown", With(R"("output":{"compression":"gzip"})"), "bad_value",
+     "/output/compression"},
+    {"pixel_unknown", With(R"("output":{"pixel":"uint8"})"), "bad_value", "/output/pixel"},
+    {"output_unknown_field", With(R"("output":{"level":9})"), "unknown_field", "/output/level"},
+};
+
+const BadRequest kFrame[] = {
+    {"image_is_array", WithImage("[192,108]"), "bad_type", "/image"},
+    {"width_missing", WithImage(R"({"height":108,"sensor_width_mm":36})"), "missing_field",
+     "/image/width"},
+    {"sensor_width_missing", WithImage(R"({"width":1,"height":1})"), "missing_field",
+     "/image/sensor_width_mm"},
+    {"width_negative", WithImage(R"({"width":-1,"height":1,"sensor_width_mm":36})"), "bad_value",
+     "/image/width"},
+    {"width_zero", WithImage(R"({"width":0,"height":1,"sensor_width_mm":36})"), "bad_value",
+     "/image/width"},
+    {"width_huge", WithImage(R"({"width":1000000000,"height":1,"sensor_width_mm":36})"), "limit",
+     "/image/width"},
+    {"width_beyond_64_bits",
+     WithImage(R"({"width":99999999999999999999999,"height":1,"sensor_width_mm":36})"), "limit",
+     "/image/width"},
+    {"width_fraction", WithImage(R"({"width":1.5,"height":1,"sensor_width_mm":36})"), "bad_type",
+     "/image/width"},
+    {"height_text", WithImage(R"({"width":1,"height":"1","sensor_width_mm":36})"), "bad_type",
+     "/image/height"},
+    {"too_many_pixels", WithImage(R"({"width":16384,"height":16384,"sensor_width_mm":36})"),
+     "limit", "/image"},
+    {"sensor_width_negative", WithImage(R"({"width":1,"height":1,"sensor_width_mm":-36})"),
+     "bad_value", "/image/sensor_width_mm"},
+    {"sensor_width_zero", WithImage(R"({"width":1,"height":1,"sensor_width_mm":0})"), "bad_value",
+     "/image/sensor_width_mm"},
+    {"pixel_aspect_zero",
+     WithImage(R"({"width":1,"height":1,"sensor_width_mm":36,"pixel_aspect":0})"), "bad_value",
+     "/image/pixel_aspect"},
+    {"crop_leaves_frame",
+     WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"crop":[4,4,5,4]})"), "bad_value",
+     "/image/crop"},
+    {"crop_empty", WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"crop":[4,4,0,4]})"),
+     "bad_value", "/image/crop"},
+    {"crop_negative", WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"crop":[-1,0,4,4]})"),
+     "bad_value", "/image/crop/0"},
+    {"crop_short", WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"crop":[0,0,4]})"),
+     "bad_value", "/image/crop"},
+    {"overscan_negative",
+     WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"overscan":[0,0,-1,0]})"), "bad_value",
+     "/image/overscan/2"},
+    {"overscan_too_wide",
+     WithImage(R"({"width":16384,"height":8,"sensor_width_mm":36,"overscan":[1,0,0,0]})"), "limit",
+     "/image/overscan"},
+    {"crop_and_overscan",
+     WithImage(
+         R"({"width":8,"height":8,"sensor_width_mm":36,"crop":[0,0,4,4],"overscan":[1,1,1,1]})"),
+     "bad_value", "/image/overscan"},
+    {"crop_too_large",
+     WithImage(R"({"width":16384,"height":16384,"sensor_width_mm":36,"crop":[0,0,16384,4097]})"),
+     "limit", "/image"},
+    {"too_many_pixels_and_channels",
+     R"({"lens":"x","image":{"width":8192,"height":8192,"sensor_width_mm":36},"lights":[],
+         "color_space":"spectral","wavelengths_nm":[400,450,500,550,600,650]})",
+     "limit", "/image"},
+    {"projection_unknown",
+     WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"projection":"fisheye"})"),
+     "bad_value", "/image/projection"},
+    {"center_offset_scalar",
+     WithImage(R"({"width":8,"height":8,"sensor_width_mm":36,"center_offset_mm":3})"), "bad_type",
+     "/image/center_offset_mm"},
+    {"iris_two_blades", With(R"("iris":{"blades":2})"), "bad_value", "/iris/blades"},
+    {"iris_negative_blades", With(R"("iris":{"blades":-6})"), "bad_value", "/iris/blades"},
+    {"iris_many_blades", With(R"("iris":{"blades":33})"), "limit", "/iris/blades"},
+    {"iris_too_round", With(R"("iris":{"blades":6,"roundness":1.01})"), "bad_value",
+     "/iris/roundness"},
+    {"iris_unknown_field", With(R"("iris":{"leaves":6})"), "unknown_field", "/iris/leaves"},
+};
+
+const BadRequest kLightsTable[] = {
+    {"lights_object", WithLights("{}"), "bad_type", "/lights"},
+    {"million_lights", ManyLights(1'000'000), "too_large", ""},
+    {"million_empty_lights", WithLights("[" + Repeated("{},", 999'999) + "{}]"), "limit",
+     "/lights"},
+    {"too_many_lights", ManyLights(100'001), "limit", "/lights"},
+    {"light_empty", WithLight("{}"), "missing_field", "/lights/1"},
+    {"light_number", WithLight("7"), "bad_type", "/lights/1"},
+    {"direction_and_pixel", WithLight(R"({"direction":[0,0,1],"pixel":[1,1]})"), "bad_value",
+     "/lights/1"},
+    {"direction_zero", WithLight(R"({"direction":[0,0,0]})"), "bad_value", "/lights/1/direction"},
+    {"direction_minus_zero", WithLight(R"({"direction":[-0.0,0,0e5]})"), "bad_value",
+     "/lights/1/direction"},
+    {"direction_short", WithLight(R"({"direction":[0,1]})"), "bad_value", "/lights/1/direction"},
+    {"direction_text", WithLight(R"({"direction":[0,"0",1]})"), "bad_type",
+     "/lights/1/direction/1"},
+    {"direction_null", WithLight(R"({"direction":[0,0,null]})"), "bad_type",
+     "/lights/1/direction/2"},
+    {"pixel_far_away", WithLight(R"({"pixel":[1e9,0]})"), "limit", "/lights/1/pixel/0"},
+    {"distance_zero", WithLight(R"({"direction":[0,0,1],"distance_m":0})"), "bad_value",
+     "/lights/1/distance_m"},
+    {"distance_negative", WithLight(R"({"direction":[0,0,1],"distance_m":-2})"), "bad_value",
+     "/lights/1/distance_m"},
+    {"irradiance_negative", WithLight(R"({"direction":[0,0,1],"irradiance":[1,-1,1]})"),
+     "bad_value", "/lights/1/irradiance/1"},
+    {"irradiance_number", WithLight(R"({"direction":[0,0,1],"irradiance":1})"), "bad_type",
+     "/lights/1/irradiance"},
+    {"irradiance_huge", WithLight(R"({"direction":[0,0,1],"irradiance":[1,1,1e200]})"), "limit",
+     "/lights/1/irradiance/2"},
+    {"angular_diameter_negative", WithLight(R"({"direction":[0,0,1],"angular_diameter_deg":-1})"),
+     "bad_value", "/lights/1/angular_diameter_deg"},
+    {"light_unknown_field", WithLight(R"({"direction":[0,0,1],"name":"sun"})"), "unknown_field",
+     "/lights/1/name"},
+    {"spectral_without_wavelengths", With(R"("color_space":"spectral")"), "missing_field",
+     "/wavelengths_nm"},
+    {"wavelengths_without_spectral", With(R"("wavelengths_nm":[550])"), "bad_value",
+     "/wavelengths_nm"},
+    {"wavelengths_empty", With(R"("color_space":"spectral","wavelengths_nm":[])"), "bad_value",
+     "/wavelengths_nm"},
+    {"wavelength_zero", With(R"("color_space":"spectral","wavelengths_nm":[0])"), "bad_value",
+     "/wavelengths_nm/0"},
+    {"wavelength_infrared", With(R"("color_space":"spectral","wavelengths_nm":[550,1500])"),
+     "limit", "/wavelengths_nm/1"},
+    {"wavelength_twice", With(R"("color_space":"spectral","wavelengths_nm":[550,500,550])"),
+     "bad_value", "/wavelengths_nm/2"},
+    {"too_many_wavelengths",
+     With(R"("color_space":"spectral","wavelengths_nm":[)" + Repeated("500,", 1'000) + "500]"),
+     "limit", "/wavelengths_nm"},
+    {"spectral_rgb_irradiance",
+     std::string(R"({"lens":"x","color_space":"spectral","wavelengths_nm":[550],)") + kImage +
+         R"(,"lights":[{"direction":[0,0,1],"irradiance":[1,2,3]}]})",
+     "bad_value", "/lights/0/irradiance"},
+};
+
+const BadRequest kNotBuilt[] = {
+    {"focus", With(R"("focus_m":2.5)"), "unsupported", "/focus_m"},
+    {"zoom", With(R"("zoom_mm":35)"), "unsupported", "/zoom_mm"},
+    {"encoder", With(R"("encoder":"a")"), "unsupported", "/encoder"},
+    {"iris_mask", With(R"("iris":{"mask":"AAAA"})"), "unsupported", "/iris/mask"},
+    {"four_reflections", With(R"("model":{"reflections":4})"), "unsupported", "/model/reflections"},
+    {"sensor_reflection", With(R"("model":{"sensor_reflection":true})"), "unsupported",
+     "/model/sensor_reflection"},
+    {"starburst_layer", With(R"("layers":["ghosts","starburst"])"), "unsupported", "/layers/1"},
+    {"bokeh_layer", With(R"("layers":["bokeh"])"), "unsupported", "/layers/0"},
+    {"starburst_core", With(R"("starburst":{"core":false})"), "unsupported", "/starburst"},
+    {"acescg", With(R"("color_space":"acescg")"), "unsupported", "/color_space"},
+    {"aces2065", With(R"("color_space":"aces2065-1")"), "unsupported", "/color_space"},
+    {"max_error", With(R"("quality":{"max_error":0.02})"), "unsupported", "/quality/max_error"},
+    {"time_budget", With(R"("quality":{"time_budget_ms":40})"), "unsupported",
+     "/quality/time_budget_ms"},
+    {"photon", With(R"("quality":{"preset":"reference","method":"photon"})"), "unsupported",
+     "/quality/method"},
+    {"dwaa", With(R"("output":{"compression":"dwaa"})"), "unsupported", "/output/compression"},
+    {"area_light", WithLight(R"({"direction":[0,0,1],"angular_diameter_deg":0.53})"), "unsupported",
+     "/lights/1/angular_diameter_deg"},
+    {"temperature", WithLight(R"({"direction":[0,0,1],"temperature_k":3200})"), "unsupported",
+     "/lights/1/temperature_k"},
+};
+
+std::string NameOf(const testing::TestParamInfo<BadRequest>& info) {
+    return info.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Syntax, BadRequests, testing::ValuesIn(kSyntax), NameOf);
+INSTANTIATE_TEST_SUITE_P(Fields, BadRequests, testing::ValuesIn(kFields), NameOf);
+INSTANTIATE_TEST_SUITE_P(Frame, BadRequests, testing::ValuesIn(kFrame), NameOf);
+INSTANTIATE_TEST_SUITE_P(Lights, BadRequests, testing::ValuesIn(kLightsTable), NameOf);
+INSTANTIATE_TEST_SUITE_P(NotBuilt, BadRequests, testing::ValuesIn(kNotBuilt), NameOf);
+
+// Every prefix of a sound body is refused: a message cut off on the way is never taken for a whole.
+TEST(TruncatedBody, IsRefusedWhereverItIsCut) {
+    const std::string body = With(R"("iris":{"blades":6},"quality":{"preset":"final"})");
+    ASSERT_EQ(RefusalOf(DecodeFlareRequest(body)), nullptr);
+    for (std::size_t size = 0; size < body.size(); ++size) {
+        const auto decoded = DecodeFlareRequest(body.substr(0, size));
+        const Refusal* refusal = RefusalOf(decoded);
+        ASSERT_NE(refusal, nullptr) << "cut at " << size;
+        EXPECT_EQ(refusal->code, "bad_json");
+        EXPECT_EQ(refusal->where.rfind("byte ", 0), 0u) << refusal->where;
+    }
+}
+
+// Whatever bytes come in, the answer is a request or a refusal that names a code and a place.
+TEST(DamagedBodies, AreAnsweredInOrder) {
+    const std::string sound = With(
+        R"("prescription":{"name":"p","surface":[{"kind":"stop"}]},"iris":{"blades":6},)"
+        R"("color_space":"spectral","wavelengths_nm":[4e2,587.5618],"output":{"pixel":"half"})");
+    const std::string alphabet = "{}[]\",:0123456789eE+-.\\u/ntrfalse \xff\xc3\x80\x01";
+    std::mt19937 random(20'240'229);
+    const auto pick = [&](std::size_t count) { return random() % count; };
+    for (int round = 0; round < 20'000; ++round) {
+        std::string body = sound;
+        for (std::size_t change = 0; change <= pick(4); ++change) {
+            const std::size_t at = pick(body.size());
+            switch (pick(4)) {
+                case 0:
+                    body[at] = alphabet[pick(alphabet.size())];
+                    break;
+                case 1:
+                    body.erase(at, 1 + pick(8));
+                    break;
+                case 2:
+                    body.insert(at, 1 + pick(3), alphabet[pick(alphabet.size())]);
+                    break;
+                default:
+                    body.insert(at, body.substr(pick(body.size()), pick(30)));
+                    break;
+            }
+        }
+        const auto decoded = DecodeFlareRequest(body);
+        const Refusal* refusal = RefusalOf(decoded);
+        if (!refusal) continue;
+        EXPECT_FALSE(refusal->code.empty()) << body;
+        EXPECT_FALSE(refusal->message.empty()) << body;
+        const std::string& where = refusal->where;
+        EXPECT_TRUE(where.empty() || where[0] == '/' || where.rfind("byte ", 0) == 0) << where;
+    }
+}
+
+}  // namespace
+}  // namespace flare::wire
