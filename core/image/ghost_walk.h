@@ -61,7 +61,7 @@ struct GhostLight {
     struct Band {
         std::vector<double> node_weights;
         std::vector<double> light;
-        int first_plane = 0;
+        int layer = 0;
     };
     std::vector<Band> bands;
 };

@@ -23,12 +23,55 @@ constexpr double kSliverArea = 1e-10;
 // one costs no more than the window.
 constexpr double kWidest = 2048.0;
 
-// A group's box may be this much larger than its largest member's, in pixels of either side.
-constexpr int kGroupSlack = 64;
-
 // Running sums end at zero but for rounding; what is left below this share of the density is
 // nothing.
 constexpr double kRounding = 1e-13;
+
+// The channels of a pixel as one value. Pairs of doubles are GNU vectors (also known to clang): one
+// instruction on every x86-64 and AArch64.
+typedef double Pair __attribute__((vector_size(16), aligned(8)));
+typedef long long PairMask __attribute__((vector_size(16), aligned(8)));
+
+struct Colour {
+    Pair low, high;
+
+    void Add(const Colour& other) {
+        low += other.low;
+        high += other.high;
+    }
+    void AddScaled(const Colour& other, double scale) {
+        low += other.low * scale;
+        high += other.high * scale;
+    }
+    // Adds `other` where it is larger than `nothing`.
+    void AddAbove(const Colour& other, double nothing) {
+        low += Above(other.low, nothing);
+        high += Above(other.high, nothing);
+    }
+    static Pair Above(Pair value, double nothing) {
+        const PairMask keep = (value > nothing) | (value < -nothing);
+        return reinterpret_cast<Pair>(reinterpret_cast<PairMask>(value) & keep);
+    }
+};
+
+struct Grey {
+    double value;
+
+    void Add(const Grey& other) { value += other.value; }
+    void AddScaled(const Grey& other, double scale) { value += other.value * scale; }
+    void AddAbove(const Grey& other, double nothing) {
+        if (std::abs(other.value) > nothing) value += other.value;
+    }
+};
+
+template <int kChannels>
+struct PixelType {
+    using Type = Colour;
+};
+template <>
+struct PixelType<1> {
+    using Type = Grey;
+};
 
 double SignedArea(std::span<const Vec2d> points) {
     double twice = 0.0;
@@ -78,8 +121,7 @@ PolygonRaster::PolygonRaster(const RasterTarget& target, int channels)
     FLARE_CHECK(channels == 1 || channels == 3);
 }
 
-void PolygonRaster::Add(std::span<const Vec2d> points, std::span<const double> amounts,
-                        int first_plane) {
+void PolygonRaster::Add(std::span<const Vec2d> points, std::span<const double> amounts, int layer) {
     const auto [lo, hi] = BoundsOf(points);
     // Also false for NaN, which no finite mesh has.
     if (!(hi.y >= target_.y0 && lo.y < target_.y0 + target_.rows && hi.x >= target_.x0 &&
@@ -87,23 +129,23 @@ void PolygonRaster::Add(std::span<const Vec2d> points, std::span<const double> a
         return;
     }
     if (hi.x - lo.x > kWidest || hi.y - lo.y > kWidest) {
-        CollectClipped(points, amounts.data(), first_plane);
+        CollectClipped(points, amounts.data(), layer);
     } else {
-        Collect(points, amounts.data(), first_plane);
+        Collect(points, amounts.data(), layer);
     }
 }
 
-void PolygonRaster::Collect(std::span<const Vec2d> points, const double* amounts, int first_plane) {
+void PolygonRaster::Collect(std::span<const Vec2d> points, const double* amounts, int layer) {
     const auto [lo, hi] = BoundsOf(points);
     const Box box{static_cast<int>(std::floor(lo.x)), static_cast<int>(std::floor(lo.y)),
                   static_cast<int>(std::floor(hi.x)) + 1, static_cast<int>(std::floor(hi.y)) + 1};
     if (box.x1 - box.x0 == 1 && box.y1 - box.y0 == 1) {
-        CollectPixel(box.x0, box.y0, amounts, 1.0, first_plane);
+        CollectPixel(box.x0, box.y0, amounts, 1.0, layer);
         return;
     }
     const double area = SignedArea(points);
     if (!(std::abs(area) > kSliverArea)) {
-        CollectSliver(points, amounts, first_plane);
+        CollectSliver(points, amounts, layer);
         return;
     }
     Item item;
@@ -111,14 +153,13 @@ void PolygonRaster::Collect(std::span<const Vec2d> points, const double* amounts
     points_.insert(points_.end(), points.begin(), points.end());
     item.end = points_.size();
     item.box = box;
-    item.first_plane = first_plane;
+    item.layer = layer;
     // With y downwards an edge that goes down covers what lies right of it.
     for (std::size_t c = 0; c < channels_; ++c) item.density[c] = -amounts[c] / area;
     items_.push_back(item);
 }
 
-void PolygonRaster::CollectPixel(int x, int y, const double* amounts, double share,
-                                 int first_plane) {
+void PolygonRaster::CollectPixel(int x, int y, const double* amounts, double share, int layer) {
     if (x < target_.x0 || x >= target_.x0 + target_.width || y < target_.y0 ||
         y >= target_.y0 + target_.rows) {
         return;
@@ -126,13 +167,12 @@ void PolygonRaster::CollectPixel(int x, int y, const double* amounts, double sha
     Item item;
     item.box = {x, y, x + 1, y + 1};
     item.one_pixel = true;
-    item.first_plane = first_plane;
+    item.layer = layer;
     for (std::size_t c = 0; c < channels_; ++c) item.density[c] = share * amounts[c];
     items_.push_back(item);
 }
 
-void PolygonRaster::CollectSliver(std::span<const Vec2d> points, const double* amounts,
-                                  int first_plane) {
+void PolygonRaster::CollectSliver(std::span<const Vec2d> points, const double* amounts, int layer) {
     Vec2d a = points[0], b = points[0];
     for (const Vec2d& p : points) {
         for (const Vec2d& q : points) {
@@ -146,12 +186,12 @@ void PolygonRaster::CollectSliver(std::span<const Vec2d> points, const double* a
     for (int i = 0; i < pieces; ++i) {
         const Vec2d p = a + (b - a) * ((i + 0.5) / pieces);
         CollectPixel(static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)), amounts,
-                     1.0 / pieces, first_plane);
+                     1.0 / pieces, layer);
     }
 }
 
 void PolygonRaster::CollectClipped(std::span<const Vec2d> points, const double* amounts,
-                                   int first_plane) {
+                                   int layer) {
     const double area = SignedArea(points);
     if (!std::isfinite(area) || area == 0.0) return;
     std::vector<Vec2d> clipped(points.begin(), points.end());
@@ -160,30 +200,29 @@ void PolygonRaster::CollectClipped(std::span<const Vec2d> points, const double* 
     if (!clipped.empty()) clipped = ClipHalfPlane(clipped, 1, target_.y0, -1.0);
     if (!clipped.empty()) clipped = ClipHalfPlane(clipped, 1, target_.y0 + target_.rows, 1.0);
     if (clipped.size() < 3) return;
-    double part[3] = {0.0, 0.0, 0.0};
+    double part[kColourStride] = {};
     const double share = SignedArea(clipped) / area;
     for (std::size_t c = 0; c < channels_; ++c) part[c] = amounts[c] * share;
-    Collect(clipped, part, first_plane);
+    Collect(clipped, part, layer);
 }
 
 void PolygonRaster::Flush() {
-    // Neighbours in the list that lie close together and go to the same planes make a group.
+    // Neighbours in the list that go to the same layer make a group as long as their common box is
+    // no larger than their own boxes together.
+    const auto area = [](const Box& box) {
+        return static_cast<double>(box.x1 - box.x0) * static_cast<double>(box.y1 - box.y0);
+    };
     for (std::size_t first = 0; first < items_.size();) {
         Box group = items_[first].box;
-        int widest = group.x1 - group.x0;
-        int highest = group.y1 - group.y0;
+        double members = area(group);
         std::size_t last = first + 1;
         for (; last < items_.size(); ++last) {
             const Item& item = items_[last];
-            if (item.first_plane != items_[first].first_plane) break;
+            if (item.layer != items_[first].layer) break;
             const Box joined{std::min(group.x0, item.box.x0), std::min(group.y0, item.box.y0),
                              std::max(group.x1, item.box.x1), std::max(group.y1, item.box.y1)};
-            widest = std::max(widest, item.box.x1 - item.box.x0);
-            highest = std::max(highest, item.box.y1 - item.box.y0);
-            if (joined.x1 - joined.x0 > widest + kGroupSlack ||
-                joined.y1 - joined.y0 > highest + kGroupSlack) {
-                break;
-            }
+            members += area(item.box);
+            if (area(joined) > members) break;
             group = joined;
         }
         Spread(first, last, group);
@@ -198,7 +237,7 @@ void PolygonRaster::Spread(std::size_t first, std::size_t last, const Box& box) 
                      std::min(box.y1, target_.y0 + target_.rows)};
     if (inside.y1 <= inside.y0) return;
     if (channels_ == 3) {
-        SpreadItems<3>(first, last, inside);
+        SpreadItems<kColourStride>(first, last, inside);
     } else {
         SpreadItems<1>(first, last, inside);
     }
@@ -209,12 +248,14 @@ void PolygonRaster::SpreadItems(std::size_t first, std::size_t last, const Box& 
     const auto cells =
         static_cast<std::size_t>(box.y1 - box.y0) * static_cast<std::size_t>(box.x1 - box.x0 + 1);
     cover_.assign(cells * kChannels, 0.0);
+    touched_.assign(static_cast<std::size_t>(box.y1 - box.y0), {box.x1 - box.x0, 0});
     group_density_ = 0.0;
     for (std::size_t n = first; n < last; ++n) {
         const Item& item = items_[n];
         for (int c = 0; c < kChannels; ++c)
             group_density_ = std::max(group_density_, std::abs(item.density[c]));
         if (item.one_pixel) {
+            Touch(item.box.y0 - box.y0, item.box.x0 - box.x0, item.box.x0 - box.x0);
             double* const at = &cover_[(static_cast<std::size_t>(item.box.y0 - box.y0) *
                                             static_cast<std::size_t>(box.x1 - box.x0 + 1) +
                                         static_cast<std::size_t>(item.box.x0 - box.x0)) *
@@ -235,13 +276,15 @@ void PolygonRaster::SpreadItems(std::size_t first, std::size_t last, const Box& 
         fragments_ += static_cast<std::uint64_t>(std::max(0, rows)) *
                       static_cast<std::uint64_t>(item.box.x1 - item.box.x0);
     }
-    AddRows<kChannels>(box, items_[first].first_plane);
+    AddRows<kChannels>(box, items_[first].layer);
 }
 
 template <int kChannels>
 void PolygonRaster::AddEdge(const Vec2d& from, const Vec2d& to, const double* density,
                             const Box& box) {
     if (from.y == to.y) return;
+    using Pixel = typename PixelType<kChannels>::Type;
+    const Pixel light = *reinterpret_cast<const Pixel*>(density);
     const double sign = from.y < to.y ? 1.0 : -1.0;
     const Vec2d& top = from.y < to.y ? from : to;
     const Vec2d& bottom = from.y < to.y ? to : from;
@@ -265,13 +308,13 @@ void PolygonRaster::AddEdge(const Vec2d& from, const Vec2d& to, const double* de
         const int cl = std::min(static_cast<int>(xl), columns - 1);
         const int cr = std::min(static_cast<int>(xr), columns - 1);
         const auto put = [&](int column, double risen, double area) {
-            double* const at = cover + static_cast<std::ptrdiff_t>(column) * kChannels;
-            for (int c = 0; c < kChannels; ++c) {
-                at[c] += area * density[c];
-                // Columns further right are covered by all of it: the running sum carries it there.
-                at[c + kChannels] += (risen - area) * density[c];
-            }
+            auto* const at =
+                reinterpret_cast<Pixel*>(cover + static_cast<std::ptrdiff_t>(column) * kChannels);
+            at[0].AddScaled(light, area);
+            // Columns further right are covered by all of it: the running sum carries it there.
+            at[1].AddScaled(light, risen - area);
         };
+        Touch(row - box.y0, cl, cr);
         const double d = sign * rise;
         if (cl == cr) {
             // Everything within one pixel column: a trapezium on its right side.
@@ -290,27 +333,28 @@ void PolygonRaster::AddEdge(const Vec2d& from, const Vec2d& to, const double* de
 }
 
 template <int kChannels>
-void PolygonRaster::AddRows(const Box& box, int first_plane) {
-    const int first = std::max(box.x0, target_.x0);
-    const int end = std::min(box.x1, target_.x0 + target_.width);
+void PolygonRaster::AddRows(const Box& box, int layer) {
+    using Pixel = typename PixelType<kChannels>::Type;
     const double nothing = kRounding * group_density_;
-    double* planes[kChannels];
-    for (int c = 0; c < kChannels; ++c)
-        planes[c] = target_.planes[static_cast<std::size_t>(first_plane + c)];
     for (int row = box.y0; row < box.y1; ++row) {
-        const double* cover = &cover_[static_cast<std::size_t>(row - box.y0) *
-                                      static_cast<std::size_t>(box.x1 - box.x0 + 1) * kChannels];
-        double sum[kChannels] = {};
-        for (int x = box.x0; x < first; ++x, cover += kChannels) {
-            for (int c = 0; c < kChannels; ++c) sum[c] += cover[c];
-        }
-        const auto offset =
-            static_cast<std::ptrdiff_t>(row - target_.y0) * target_.width - target_.x0;
-        for (int x = first; x < end; ++x, cover += kChannels) {
-            for (int c = 0; c < kChannels; ++c) {
-                sum[c] += cover[c];
-                if (std::abs(sum[c]) > nothing) planes[c][offset + x] += sum[c];
-            }
+        const auto [from, to] = touched_[static_cast<std::size_t>(row - box.y0)];
+        const int first = std::max(box.x0 + from, target_.x0);
+        const int end = std::min(box.x0 + to, target_.x0 + target_.width);
+        if (end <= first) continue;
+        const auto* cover = reinterpret_cast<const Pixel*>(
+            &cover_[static_cast<std::size_t>(row - box.y0) *
+                    static_cast<std::size_t>(box.x1 - box.x0 + 1) * kChannels]);
+        cover += from;
+        Pixel sum{};
+        for (int x = box.x0 + from; x < first; ++x) sum.Add(*cover++);
+        auto* out = reinterpret_cast<Pixel*>(
+            target_.layers[static_cast<std::size_t>(layer)] +
+            (static_cast<std::ptrdiff_t>(row - target_.y0) * target_.width + first - target_.x0) *
+                kChannels);
+        for (int x = first; x < end; ++x) {
+            sum.Add(*cover++);
+            out->AddAbove(sum, nothing);
+            ++out;
         }
     }
 }

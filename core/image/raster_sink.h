@@ -14,7 +14,7 @@ class RasterSink final : public PieceSink {
         : ghost_(ghost), raster_(target, ghost.channels) {}
 
     void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
-        raster_.Add(points, light, ghost_.bands[static_cast<std::size_t>(band)].first_plane);
+        raster_.Add(points, light, ghost_.bands[static_cast<std::size_t>(band)].layer);
     }
     void EndOfPiece() override { raster_.Flush(); }
 

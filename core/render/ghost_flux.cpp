@@ -36,9 +36,8 @@ GhostFlux FluxOf(const std::shared_ptr<const GhostSurface>& surface, const Light
     LightColour colour;
     colour.spectral = true;
     const std::vector<double>& wavelengths = tables.wavelengths_nm();
-    const GhostLight prepared =
-        PrepareGhost(surface, bundle, lens, tables, colour,
-                     CellsInWindow(*surface, wavelengths, iris, map, {}), map);
+    const GhostLight prepared = PrepareGhost(surface, bundle, lens, tables, colour,
+                                             CellsInWindow(*surface, wavelengths, iris, map, {}));
     GhostFlux flux;
     if (prepared.cells.empty()) return flux;
     FluxSink sink(flux);

@@ -24,29 +24,6 @@ std::vector<std::vector<std::uint8_t>> UsedVertices(const GhostMesh& mesh,
     return used;
 }
 
-// How far apart the ends of the drawn range land, at most, in pixels.
-double DispersionPx(const GhostMesh& mesh, const std::vector<std::vector<std::uint8_t>>& used,
-                    const std::vector<double>& traced, const PictureMap& map) {
-    const std::vector<double> low = NodeWeights(traced, kDrawnLow_nm);
-    const std::vector<double> high = NodeWeights(traced, kDrawnHigh_nm);
-    const auto fields = static_cast<std::size_t>(mesh.field_count());
-    double largest = 0.0;
-    for (std::size_t g = 0; g < mesh.grids.size(); ++g) {
-        for (std::size_t v = 0; v < used[g].size(); ++v) {
-            if (used[g][v] == 0 || mesh.grids[g].alive[v] == 0) continue;
-            double dx = 0.0;
-            double dy = 0.0;
-            for (std::size_t k = 0; k < traced.size(); ++k) {
-                const float* const f = &mesh.grids[g].nodes[k].fields[v * fields];
-                dx += (high[k] - low[k]) * static_cast<double>(f[0]);
-                dy += (high[k] - low[k]) * static_cast<double>(f[1]);
-            }
-            largest = std::max(largest, (map.px_per_x * dx + map.px_per_y * dy).length());
-        }
-    }
-    return largest;
-}
-
 // Transmittance times flux density over the cells of one ghost, at each wavelength of the tables.
 class CellLight {
   public:
@@ -64,7 +41,7 @@ class CellLight {
 
     // How finely the cell's light must be sampled: the corners, unless the light at the middle is
     // not their mean.
-    int CutsOf(const CellPlace& place) {
+    int CutsOf(const CellPlace& place, double tolerance) {
         SetCell(place);
         const std::size_t last = weights_.size() - 1;
         int cuts = 1;
@@ -75,8 +52,8 @@ class CellLight {
             }
             const double miss =
                 std::abs(Weight(band, 0.5, 0.5) - 0.25 * sum) / std::max(sum, 1e-300);
-            if (miss > 5e-3) return 16;
-            if (miss > 2e-4) cuts = 4;
+            if (miss > 25.0 * tolerance) return 16;
+            if (miss > tolerance) cuts = 4;
         }
         // R has a square-root edge at the critical angle, which the middle alone may not show.
         return NearCriticalAngle() ? 16 : cuts;
@@ -204,10 +181,33 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
     return cells;
 }
 
+double DispersionPx(const GhostMesh& mesh, const std::vector<GhostLight::Cell>& cells,
+                    const PictureMap& map) {
+    const std::vector<double> traced = TracedWavelengths(mesh);
+    const std::vector<std::vector<std::uint8_t>> used = UsedVertices(mesh, cells);
+    const std::vector<double> low = NodeWeights(traced, kDrawnLow_nm);
+    const std::vector<double> high = NodeWeights(traced, kDrawnHigh_nm);
+    const auto fields = static_cast<std::size_t>(mesh.field_count());
+    double largest = 0.0;
+    for (std::size_t g = 0; g < mesh.grids.size(); ++g) {
+        for (std::size_t v = 0; v < used[g].size(); ++v) {
+            if (used[g][v] == 0 || mesh.grids[g].alive[v] == 0) continue;
+            double dx = 0.0;
+            double dy = 0.0;
+            for (std::size_t k = 0; k < traced.size(); ++k) {
+                const float* const f = &mesh.grids[g].nodes[k].fields[v * fields];
+                dx += (high[k] - low[k]) * static_cast<double>(f[0]);
+                dy += (high[k] - low[k]) * static_cast<double>(f[1]);
+            }
+            largest = std::max(largest, (map.px_per_x * dx + map.px_per_y * dy).length());
+        }
+    }
+    return largest;
+}
+
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
                         const Lens& lens, const TransmissionTables& tables,
-                        const LightColour& colour, std::vector<GhostLight::Cell> cells,
-                        const PictureMap& map) {
+                        const LightColour& colour, std::vector<GhostLight::Cell> cells) {
     GhostLight ghost;
     ghost.cells = std::move(cells);
     ghost.surface = surface;
@@ -219,9 +219,10 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     std::vector<double> drawn = tables.wavelengths_nm();
     std::vector<BandShare> shares;
     if (!colour.spectral) {
-        const double px = DispersionPx(mesh, UsedVertices(mesh, ghost.cells), traced, map);
-        const int count =
-            2 + static_cast<int>(std::min(px / colour.dispersion_step_px, colour.most_drawn - 2.0));
+        const double px = colour.dispersion_px;
+        // One wavelength a step; but a small picture gets one a pixel, up to five.
+        const double steps = std::max(px / colour.dispersion_step_px, std::min(px, 5.0));
+        const int count = 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
         drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, count);
         shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
     }
@@ -231,7 +232,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     const auto channels = static_cast<std::size_t>(ghost.channels);
     std::size_t points = 0;
     for (GhostLight::Cell& cell : ghost.cells) {
-        cell.light_cuts = light.CutsOf(cell.place);
+        cell.light_cuts = light.CutsOf(cell.place, colour.light_tolerance);
         cell.light_at = points * channels;
         points += static_cast<std::size_t>(cell.light_cuts + 1) *
                   static_cast<std::size_t>(cell.light_cuts + 1);

@@ -19,9 +19,11 @@ namespace flare {
 // The colours in which a light is drawn: spectral planes, or Rec.709.
 struct LightColour {
     bool spectral = false;
-    double irradiance = 1.0;  // spectral: E0
-    Spectrum power{};         // colour: the light's spectrum
+    double irradiance = 1.0;     // spectral: E0
+    Spectrum power{};            // colour: the light's spectrum
+    double dispersion_px = 0.0;  // colour: DispersionPx over the full frame
     double dispersion_step_px = 4.0;
+    double light_tolerance = 2e-4;  // relative, of light interpolated between the cell's corners
     int most_drawn = 24;
 };
 
@@ -32,11 +34,16 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
                                             const Iris& iris, const PictureMap& map,
                                             const WalkWindow& window);
 
+// How far apart the ends of the drawn range of wavelengths land, at most, in pixels, over `cells`.
+// Asked of the full frame's cells whatever window is drawn, or a crop would be drawn at other
+// wavelengths.
+double DispersionPx(const GhostMesh& mesh, const std::vector<GhostLight::Cell>& cells,
+                    const PictureMap& map);
+
 // `tables` holds the colour bands (colour) or the request's wavelengths (spectral).
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
                         const Lens& lens, const TransmissionTables& tables,
-                        const LightColour& colour, std::vector<GhostLight::Cell> cells,
-                        const PictureMap& map);
+                        const LightColour& colour, std::vector<GhostLight::Cell> cells);
 
 // The wavelengths that geometry is traced at.
 std::vector<double> TracedWavelengths(const GhostMesh& mesh);

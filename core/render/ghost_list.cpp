@@ -24,6 +24,8 @@ constexpr double kPositionTolerance_mm = 0.02;
 constexpr double kMaskTolerance = 0.002;
 constexpr double kCosineTolerance = 2e-4;
 constexpr WalkTolerance kTolerance{0.05, 0.02, 1.0, 12.0, 0.02};
+// A peak lies in a small bright place; the wide dim parts need no care.
+constexpr WalkTolerance kPeakTolerance{0.1, 0.1, 1.0, 64.0, 0.06};
 
 void SetParaxial(const Lens& lens, GhostEntry& entry) {
     const ParaxialPath path = ParaxialPathOf(WriteOut(lens, entry.sequence, kLineD));
@@ -53,10 +55,9 @@ double PeakOf(const std::shared_ptr<const GhostSurface>& surface, const LightBun
     LightColour colour;
     colour.spectral = true;
     const double reach = kFarthestPeak_mm / kPeakPixel_mm;
-    const GhostLight prepared = PrepareGhost(
-        surface, bundle, lens, tables, colour,
-        CellsInWindow(*surface, tables.wavelengths_nm(), iris, map, {-reach, -reach, reach, reach}),
-        map);
+    const GhostLight prepared = PrepareGhost(surface, bundle, lens, tables, colour,
+                                             CellsInWindow(*surface, tables.wavelengths_nm(), iris,
+                                                           map, {-reach, -reach, reach, reach}));
     if (prepared.cells.empty()) return 0.0;
     double y0 = 1e300;
     double y1 = -1e300;
@@ -68,11 +69,11 @@ double PeakOf(const std::shared_ptr<const GhostSurface>& surface, const LightBun
     const int width = 2 * static_cast<int>(reach);
     std::vector<double> plane(static_cast<std::size_t>(width) * kRows);
     RasterTarget target;
-    target.planes = {plane.data()};
+    target.layers = {plane.data()};
     target.x0 = -width / 2;
     target.width = width;
     target.rows = kRows;
-    GhostWalk walk(prepared, iris, map, kTolerance);
+    GhostWalk walk(prepared, iris, map, kPeakTolerance);
     double peak = 0.0;
     const int first = static_cast<int>(std::floor(std::max(y0, -reach) / kRows)) * kRows;
     for (int row = first; row <= std::min(y1, reach) && !cancel.cancelled(); row += kRows) {

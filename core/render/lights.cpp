@@ -30,9 +30,7 @@ Result<Vec3d> DirectionOfPixel(const FlareRequest& request, std::size_t index,
     const Vec2d point = ImagePoint(request.image, *request.lights[index].pixel);
     const FirstOrder& first_order = request.lens->first_order();
     if (ProjectionOf(request) == Projection::kRectilinear) {
-        const double depth = std::abs(request.lens->sensor_z_mm() - first_order.exit.z_mm) /
-                             first_order.pupil_magnification;
-        return Vec3d(point.x, point.y, depth).normalized();
+        return Vec3d(point.x, point.y, first_order.projection_distance_mm).normalized();
     }
     const double radius = point.length();
     if (radius == 0.0) return Vec3d(0.0, 0.0, 1.0);

@@ -2,6 +2,7 @@
 #include "core/render/picture.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/image/raster_sink.h"
 
@@ -12,8 +13,27 @@ constexpr int kStripRows = 64;
 
 }  // namespace
 
-Picture::Picture(const PixelWindow& window, int planes) : window_(window) {
-    planes_.assign(static_cast<std::size_t>(planes), std::vector<double>(window.pixels(), 0.0));
+Picture::Picture(const PixelWindow& window, int spectral_layers)
+    : window_(window), spectral_(spectral_layers > 0) {
+    if (spectral_) {
+        layers_.assign(static_cast<std::size_t>(spectral_layers),
+                       std::vector<double>(window.pixels(), 0.0));
+    } else {
+        layers_.assign(1, std::vector<double>(window.pixels() * kColourStride, 0.0));
+    }
+}
+
+std::vector<float> Picture::Channel(int index, double scale) const {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    const std::vector<double>& layer = layers_[spectral_ ? static_cast<std::size_t>(index) : 0];
+    const std::size_t stride = spectral_ ? 1 : kColourStride;
+    const std::size_t offset = spectral_ ? 0 : static_cast<std::size_t>(index);
+    std::vector<float> values(window_.pixels());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] =
+            static_cast<float>(std::clamp(layer[i * stride + offset] * scale, -kMost, kMost));
+    }
+    return values;
 }
 
 WalkWindow WalkWindowOf(const PixelWindow& window) {
@@ -49,8 +69,9 @@ Picture::Drawn Picture::DrawStrip(int row, int rows, const std::vector<GhostLigh
     target.y0 = window_.y + row;
     target.width = window_.width;
     target.rows = rows;
-    for (std::vector<double>& plane : planes_) {
-        target.planes.push_back(plane.data() + static_cast<std::ptrdiff_t>(row) * window_.width);
+    const std::ptrdiff_t stride = spectral_ ? 1 : kColourStride;
+    for (std::vector<double>& layer : layers_) {
+        target.layers.push_back(layer.data() + stride * row * window_.width);
     }
     const WalkWindow window = WalkWindowOf({window_.x, target.y0, window_.width, rows});
 

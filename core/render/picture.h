@@ -17,7 +17,8 @@ namespace flare {
 
 class Picture {
   public:
-    Picture(const PixelWindow& window, int planes);
+    // `spectral_layers` wavelengths, or 0 for colour.
+    Picture(const PixelWindow& window, int spectral_layers);
 
     struct Drawn {
         std::uint64_t pieces = 0;
@@ -29,10 +30,9 @@ class Picture {
                const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
 
     const PixelWindow& window() const { return window_; }
-    const std::vector<double>& plane(int index) const {
-        return planes_[static_cast<std::size_t>(index)];
-    }
-    int plane_count() const { return static_cast<int>(planes_.size()); }
+    // Channel `index` (a wavelength, or red, green, blue) times `scale`, clamped to finite floats.
+    std::vector<float> Channel(int index, double scale) const;
+    int channel_count() const { return spectral_ ? static_cast<int>(layers_.size()) : 3; }
 
   private:
     Drawn DrawStrip(int row, int rows, const std::vector<GhostLight>& ghosts, const Iris& iris,
@@ -40,7 +40,8 @@ class Picture {
                     const CancelToken& cancel);
 
     PixelWindow window_;
-    std::vector<std::vector<double>> planes_;
+    bool spectral_;
+    std::vector<std::vector<double>> layers_;
 };
 
 WalkWindow WalkWindowOf(const PixelWindow& window);

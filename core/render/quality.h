@@ -17,6 +17,7 @@ struct QualitySettings {
     int colour_bands = 21;            // where transmittances are evaluated, 380-780 nm
     double dispersion_step_px = 4.0;  // between two drawn wavelengths
     int most_drawn = 24;
+    double light_tolerance = 2e-4;  // of transmittance interpolated within a cell
     WalkTolerance walk;
 };
 

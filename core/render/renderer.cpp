@@ -62,7 +62,7 @@ class Job {
           flux_wavelength_nm_(spectral_ ? request.wavelengths_nm.front() : kLineD),
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),
           picture_(DataWindow(request.image),
-                   spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 3) {}
+                   spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {}
 
     Result<Rendering> Run() {
         SetFacts();
@@ -129,6 +129,7 @@ class Job {
         if (!spectral_) colour.power = LightSpectrum(light.irradiance);
         colour.dispersion_step_px = settings_.dispersion_step_px;
         colour.most_drawn = settings_.most_drawn;
+        colour.light_tolerance = settings_.light_tolerance;
         return colour;
     }
 
@@ -199,8 +200,16 @@ class Job {
         std::vector<GhostLight::Cell> cells =
             CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(picture_.window()));
         work.cells += cells.size();
-        return PrepareGhost(surface, bundle, lens_, tables_, ColourOf(light), std::move(cells),
-                            map);
+        LightColour colour = ColourOf(light);
+        if (!spectral_ && !cells.empty()) {
+            const PixelWindow frame{0, 0, request_.image.width, request_.image.height};
+            const bool whole = picture_.window() == frame;
+            colour.dispersion_px = DispersionPx(
+                *found->mesh,
+                whole ? cells : CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(frame)),
+                map);
+        }
+        return PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
     }
 
     std::vector<double> SpectralBounds() const {
@@ -231,7 +240,7 @@ class Job {
         double scale = 1.0 / (pitch.x * pitch.y);
         if (request_.units == Units::kSceneLinear) scale *= report_.facts.scene_linear_factor;
 
-        const int planes = picture_.plane_count();
+        const int planes = picture_.channel_count();
         image.planes.resize(static_cast<std::size_t>(planes) * 2);
         context_.threads.For(planes, [&](int p) {
             static const char* const kRgb[] = {"R", "G", "B"};
@@ -239,12 +248,7 @@ class Job {
             const std::string name = spectral_ ? SpectralName(request_.wavelengths_nm[n]) : kRgb[p];
             ImagePlane& root = image.planes[n];
             root.name = name;
-            const std::vector<double>& from = picture_.plane(p);
-            root.values.resize(from.size());
-            constexpr double kMost = 3.4028234663852886e38;
-            for (std::size_t i = 0; i < from.size(); ++i) {
-                root.values[i] = static_cast<float>(std::clamp(from[i] * scale, -kMost, kMost));
-            }
+            root.values = picture_.Channel(p, scale);
             image.planes[n + static_cast<std::size_t>(planes)] = {"ghosts." + name, root.values};
         });
         report_.work.resolve_ms = context_.now_ms() - t0;

@@ -151,7 +151,9 @@ constexpr std::array<PrimariesRow, 81> kRows = {{""")
 
 }  // namespace
 
-const std::array<PrimariesRow, 81>& PrimariesTable() { return kRows; }
+const std::array<PrimariesRow, 81>& PrimariesTable() {
+    return kRows;
+}
 
 }  // namespace flare""")
 

@@ -20,16 +20,35 @@ struct Place {
     double share_high = 0.0;  // of the next one
 };
 
-// Where x lies between the ascending or descending values, ends included.
-template <class Map>
-Place PlaceIn(const std::vector<double>& wavelengths, double wavelength, Map map) {
+// Where a wavelength lies between the ascending ones, in 1/lambda^2, ends included.
+Place PlaceIn(const std::vector<double>& wavelengths, double wavelength) {
     const auto above = std::upper_bound(wavelengths.begin(), wavelengths.end(), wavelength);
     if (above == wavelengths.begin()) return {0, 0.0};
     const int low = static_cast<int>(above - wavelengths.begin()) - 1;
     if (above == wavelengths.end()) return {low, 0.0};
-    const double a = map(wavelengths[static_cast<std::size_t>(low)]);
-    const double b = map(*above);
-    return {low, (map(wavelength) - a) / (b - a)};
+    const double a = InverseSquare(wavelengths[static_cast<std::size_t>(low)]);
+    const double b = InverseSquare(*above);
+    return {low, (InverseSquare(wavelength) - a) / (b - a)};
+}
+
+// Weights of the four evenly spaced points about a wavelength whose cubic gives a smooth function's
+// value there; the nearest four at the ends, fewer where there are fewer.
+std::vector<std::pair<int, double>> CubicShares(const std::vector<double>& points,
+                                                double wavelength) {
+    const int count = static_cast<int>(points.size());
+    const int used = std::min(4, count);
+    const double step = (points.back() - points.front()) / (count - 1);
+    const double x = (wavelength - points.front()) / step;
+    const int first = std::clamp(static_cast<int>(std::floor(x)) - 1, 0, count - used);
+    std::vector<std::pair<int, double>> shares;
+    for (int k = 0; k < used; ++k) {
+        double weight = 1.0;
+        for (int j = 0; j < used; ++j) {
+            if (j != k) weight *= (x - first - j) / (k - j);
+        }
+        shares.emplace_back(first + k, weight);
+    }
+    return shares;
 }
 
 }  // namespace
@@ -89,7 +108,6 @@ std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
         // Imath vectors start out undefined.
         shares.try_emplace({drawn, colour}, 0.0, 0.0, 0.0).first->second += rgb * weight;
     };
-    const auto same = [](double wavelength) { return wavelength; };
     // Each 5 nm sample is spread over the 1 nm steps around it as a triangle of area 1; the two end
     // samples keep their half beyond the range at their own place.
     constexpr int kHalf = static_cast<int>(kSpectrumStep_nm);
@@ -100,12 +118,11 @@ std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
             const double weight = (1.0 - std::abs(offset) / kSpectrumStep_nm) / kSpectrumStep_nm;
             const double wavelength = std::clamp(SampleWavelength(i) + offset, kSpectrumFirst_nm,
                                                  SampleWavelength(kSpectrumSamples - 1));
-            const Place d = PlaceIn(drawn_nm, wavelength, InverseSquare);
-            const Place c = PlaceIn(colour_nm, wavelength, same);
-            add(d.low, c.low, weight * (1.0 - d.share_high) * (1.0 - c.share_high), rgb);
-            add(d.low, c.low + 1, weight * (1.0 - d.share_high) * c.share_high, rgb);
-            add(d.low + 1, c.low, weight * d.share_high * (1.0 - c.share_high), rgb);
-            add(d.low + 1, c.low + 1, weight * d.share_high * c.share_high, rgb);
+            const Place d = PlaceIn(drawn_nm, wavelength);
+            for (const auto& [colour, share] : CubicShares(colour_nm, wavelength)) {
+                add(d.low, colour, weight * (1.0 - d.share_high) * share, rgb);
+                add(d.low + 1, colour, weight * d.share_high * share, rgb);
+            }
         }
     }
     std::vector<BandShare> list;

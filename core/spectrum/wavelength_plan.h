@@ -35,10 +35,10 @@ struct BandShare {
     Vec3d rgb{0.0, 0.0, 0.0};
 };
 
-// The shares for a light of spectrum `power`. A transmittance linear between colour bands is
-// integrated exactly on a 1 nm scale; light between two drawn bands goes to both in proportion,
-// light beyond the last one to that. The shares of a transmittance of 1 add up to the light's own
-// colour.
+// The shares for a light of spectrum `power`. The colour bands must be evenly spaced; a
+// transmittance that is cubic through any four of them is integrated exactly on a 1 nm scale. Light
+// between two drawn bands goes to both in proportion, light beyond the last one to that. The shares
+// of a transmittance of 1 add up to the light's own colour.
 std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
                                   const std::vector<double>& colour_nm, const Spectrum& power);
 

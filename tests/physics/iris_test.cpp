@@ -78,7 +78,8 @@ TEST(IrisOpening, OfStraightBladesIsTheRegularPolygon) {
         EXPECT_NEAR(iris.outer_radius(), circumradius, 1e-12);
         for (double t = 0.0; t <= 1.0; t += 0.125) {
             // Along the first side, from corner to corner.
-            const Vec2d a = Polar(circumradius, 90.0), b = Polar(circumradius, 90.0 + 360.0 / blades);
+            const Vec2d a = Polar(circumradius, 90.0),
+                        b = Polar(circumradius, 90.0 + 360.0 / blades);
             const Vec2d p = a + (b - a) * t;
             EXPECT_NEAR(iris.Distance(p), 0.0, 1e-12);
             EXPECT_GT(iris.Distance(p * 1.01), 0.0);
@@ -93,13 +94,18 @@ TEST(IrisOpening, BulgesByItsShareOfTheCirclesSagitta) {
         const Iris iris({blades, roundness, 0.0}, 3.0, 100.0);
         const double corner = iris.outer_radius();
         const double apothem = corner * std::cos(kPi / blades);
-        EXPECT_NEAR(Reach(iris, 90.0 + 30.0, 100.0), apothem + roundness * (corner - apothem), 1e-9);
+        EXPECT_NEAR(Reach(iris, 90.0 + 30.0, 100.0), apothem + roundness * (corner - apothem),
+                    1e-9);
     }
     const Iris round({7, 1.0, 0.0}, 3.0, 100.0);
-    for (double angle = 0.0; angle < 360.0; angle += 7.0) EXPECT_NEAR(Reach(round, angle, 100.0), 3.0, 1e-9);
+    for (double angle = 0.0; angle < 360.0; angle += 7.0) {
+        EXPECT_NEAR(Reach(round, angle, 100.0), 3.0, 1e-9);
+    }
     // And no blades are a disc.
     const Iris none({0, 0.0, 0.0}, 3.0, 100.0);
-    for (double angle = 0.0; angle < 360.0; angle += 7.0) EXPECT_NEAR(Reach(none, angle, 100.0), 3.0, 1e-9);
+    for (double angle = 0.0; angle < 360.0; angle += 7.0) {
+        EXPECT_NEAR(Reach(none, angle, 100.0), 3.0, 1e-9);
+    }
 }
 
 TEST(IrisOpening, IsCutByTheStopsRim) {
@@ -121,12 +127,17 @@ TEST(IrisOpening, BoundsAreTrue) {
     for (int i = 0; i < 20'000; ++i) {
         // Now and then so wide that the rim cuts it; such a one is dear to build.
         const double widest = i % 4000 == 0 ? 12.0 : 5.0;
-        const IrisShape shape{random.Below(30) + 3, random.Uniform(0.0, 1.0), random.Uniform(-720.0, 720.0)};
+        const IrisShape shape{random.Below(30) + 3, random.Uniform(0.0, 1.0),
+                              random.Uniform(-720.0, 720.0)};
         const Iris iris(shape, random.Uniform(0.9 * widest - 4.0, widest), 8.55);
         const Vec2d p = Polar(random.Uniform(0.0, 12.0), random.Uniform(0.0, 360.0));
         const bool open = iris.Distance(p) <= 0.0;
-        if (p.length() < iris.inner_radius() * (1.0 - 1e-12)) EXPECT_TRUE(open);
-        if (p.length() > iris.outer_radius() * (1.0 + 1e-12)) EXPECT_FALSE(open);
+        if (p.length() < iris.inner_radius() * (1.0 - 1e-12)) {
+            EXPECT_TRUE(open);
+        }
+        if (p.length() > iris.outer_radius() * (1.0 + 1e-12)) {
+            EXPECT_FALSE(open);
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The picture holds the light, in absolute units: its sum is the flux that lands in the frame, coarse
-// and fine settings agree, each block of pixels holds what counted rays put there, and scene-linear
-// output differs from sensor irradiance by one stated factor.
+// The picture holds the light, in absolute units: its sum is the flux that lands in the frame,
+// coarse and fine settings agree, each block of pixels holds what counted rays put there, and
+// scene-linear output differs from sensor irradiance by one stated factor.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,8 +24,8 @@ using testing::Studio;
 constexpr const char* kPlane = "S0.587,5618nm";
 
 FlareRequest SeedRequest(int width, int height) {
-    FlareRequest request = SpectralRequest(
-        testing::BuildLens(testing::SeedLens())->WithBareGlass(), 4.0, width, height);
+    FlareRequest request = SpectralRequest(testing::BuildLens(testing::SeedLens())->WithBareGlass(),
+                                           4.0, width, height);
     request.lights = {LightAt(5.0)};
     return request;
 }
@@ -56,7 +56,8 @@ TEST(PictureEnergy, DoesNotDependOnTheSizeOfPixels) {
     for (const int width : {64, 512, 1024}) {
         const FlareRequest request = SeedRequest(width, width * 9 / 16);
         const double energy =
-            testing::Sum(testing::PlaneNamed(studio.Shoot(request).image, kPlane)) * PixelArea(request.image);
+            testing::Sum(testing::PlaneNamed(studio.Shoot(request).image, kPlane)) *
+            PixelArea(request.image);
         if (reference == 0.0) reference = energy;
         EXPECT_NEAR(energy, reference, 5e-4 * reference) << width;
     }
@@ -136,7 +137,8 @@ TEST(SceneLinear, IsSensorIrradianceTimes4NwSquaredOverPiTAtEveryPixel) {
         EXPECT_NEAR(scene.report.facts.working_f_number, n_w, 5e-5 * n_w);
         for (std::size_t p = 0; p < irradiance.planes.size(); ++p) {
             for (std::size_t i = 0; i < irradiance.planes[p].values.size(); ++i) {
-                const double want = irradiance.planes[p].values[i] * scene.report.facts.scene_linear_factor;
+                const double want =
+                    irradiance.planes[p].values[i] * scene.report.facts.scene_linear_factor;
                 ASSERT_NEAR(scene.image.planes[p].values[i], want, 1e-6 * std::abs(want));
             }
         }

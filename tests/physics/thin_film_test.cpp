@@ -176,7 +176,9 @@ TEST(ThinFilm, TransmittanceIsTheSameBothWays) {
             const Reflection in = ReflectionOf(coating, false, 1.0, 1.67, cos_air, 500.0);
             const Reflection out = ReflectionOf(coating, true, 1.67, 1.0, cos_glass, 500.0);
             EXPECT_NEAR(in.transmittance, out.transmittance, 1e-12);
-            if (absorption == 0.0) EXPECT_NEAR(in.reflectance, out.reflectance, 1e-12);
+            if (absorption == 0.0) {
+                EXPECT_NEAR(in.reflectance, out.reflectance, 1e-12);
+            }
         }
     }
 }

@@ -41,6 +41,7 @@ class ClientScenario(Scenario):
                 self.assertEqual(connection.recv(100), b"")
                 connection.close()
             reason = "flared_requests_rejected_total{reason=slow_client}"
+            self.assertTrue(eventually(lambda: daemon.metric(reason) >= 30))
             self.assertEqual(daemon.metric(reason), 30, "all but the silent ones")
 
     def test_a_client_that_leaves_has_its_work_cancelled(self):

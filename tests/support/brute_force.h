@@ -25,7 +25,7 @@ CountedFlux CountFlux(const Lens& lens, const LightBundle& bundle, const BounceS
                       double wavelength_nm, const Iris& iris, int side, Each each) {
     const InteractionList list = WriteOut(lens, sequence, wavelength_nm);
     const TraceOptions options{true, &iris, false};
-    constexpr int kLook = 128;
+    constexpr int kLook = 256;
     const double step = 2.0 * bundle.half_width() / kLook;
     double u0 = 1e300, u1 = -1e300, v1 = -1e300;
     for (int j = 0; j <= kLook / 2; ++j) {

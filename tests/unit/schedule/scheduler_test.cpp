@@ -152,6 +152,7 @@ TEST(Scheduler, PicturesInWorkAreBoundedInBytes) {
     EXPECT_EQ(log.Await(3).back(), "c too_large");
     gate.Open();
     EXPECT_EQ(log.Await(4).back(), "occupant ran");
+    EXPECT_TRUE(scheduler.WaitUntilIdle(10s));
     EXPECT_FALSE(scheduler.Submit(MakeJob(log, "d", {}, 100)));
     EXPECT_EQ(log.Await(5).back(), "d ran") << "finished pictures give their bytes back";
 }

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/picture_memory.h"
+
+#include <gtest/gtest.h>
+
+namespace flare {
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+
+wire::FlareRequest Sized(int width, int height) {
+    wire::FlareRequest request;
+    request.image.width = width;
+    request.image.height = height;
+    return request;
+}
+
+TEST(PictureMemory, GrowsWithPixelsAndChannels) {
+    const std::uint64_t hd = PictureBytes(Sized(1920, 1080));
+    // Three channels, each at least a double and two floats a pixel.
+    EXPECT_GE(hd, 1920ULL * 1080 * 3 * 16);
+    EXPECT_LE(hd, 512 * kMiB);
+    wire::FlareRequest spectral = Sized(1920, 1080);
+    spectral.color_space = wire::ColorSpace::kSpectral;
+    spectral.wavelengths_nm.assign(30, 550.0);
+    EXPECT_GE(PictureBytes(spectral), 9 * hd);
+}
+
+TEST(PictureMemory, ReckonsWithWhatIsDrawn) {
+    wire::FlareRequest crop = Sized(16'384, 4'096);
+    crop.image.crop = {{0, 0, 10, 10}};
+    EXPECT_LT(PictureBytes(crop), 20 * kMiB);
+    wire::FlareRequest overscan = Sized(1'000, 1'000);
+    overscan.image.overscan = {500, 500, 500, 500};
+    EXPECT_EQ(PictureBytes(overscan), PictureBytes(Sized(2'000, 2'000)));
+}
+
+TEST(PictureMemory, TheLargestPictureDoesNotOverflow) {
+    wire::FlareRequest request = Sized(16'384, 4'096);
+    request.color_space = wire::ColorSpace::kSpectral;
+    request.wavelengths_nm.assign(1'000, 550.0);
+    EXPECT_GT(PictureBytes(request), std::uint64_t{1} << 40);
+}
+
+TEST(PictureMemory, ABodyThatIsNoRequestTakesNone) {
+    EXPECT_EQ(PictureBytesOfBody("{"), 0U);
+    EXPECT_GT(PictureBytesOfBody(R"({"lens":"x","image":{"width":8,"height":8,
+        "sensor_width_mm":36},"lights":[]})"),
+              0U);
+}
+
+}  // namespace
+}  // namespace flare
