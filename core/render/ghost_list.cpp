@@ -23,9 +23,9 @@ constexpr int kPatchCells = 8;
 constexpr double kPositionTolerance_mm = 0.02;
 constexpr double kMaskTolerance = 0.002;
 constexpr double kCosineTolerance = 2e-4;
-constexpr WalkTolerance kTolerance{0.05, 0.02, 1.0, 12.0, 0.02};
+constexpr WalkTolerance kTolerance{0.05, 0.02, 1.0, 12.0, 0.03};
 // A peak lies in a small bright place; the wide dim parts need no care.
-constexpr WalkTolerance kPeakTolerance{0.1, 0.1, 1.0, 64.0, 0.06};
+constexpr WalkTolerance kPeakTolerance{0.3, 0.15, 1.0, 64.0, 0.15};
 
 void SetParaxial(const Lens& lens, GhostEntry& entry) {
     const ParaxialPath path = ParaxialPathOf(WriteOut(lens, entry.sequence, kLineD));

@@ -38,7 +38,6 @@ struct Facts {
     double culled_flux_mm2 = 0.0;    // light left out on purpose
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
-    double estimated_error = 0.0;  // relative L1 against the converged image; see docs/accuracy.md
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder
 };
 

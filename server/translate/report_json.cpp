@@ -41,7 +41,6 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Member("f_number", report.facts.f_number);
     json.Member("saturated_pixels", report.facts.saturated_pixels);
     json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
-    json.Member("estimated_error", report.facts.estimated_error);
 }
 
 void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
