@@ -21,8 +21,8 @@ namespace flare {
 // vector.
 inline constexpr int kColourStride = 4;
 
-// A window of layers that share one size. Rows y0 ... y0 + rows - 1 of the picture. A spectral layer has
-// one double a pixel, a colour layer kColourStride.
+// A window of layers that share one size. Rows y0 ... y0 + rows - 1 of the picture. A spectral
+// layer has one double a pixel, a colour layer kColourStride.
 struct RasterTarget {
     std::vector<double*> layers;  // pixel (x0, y0) of each
     int x0 = 0, y0 = 0, width = 0, rows = 0;
@@ -50,7 +50,8 @@ class PolygonRaster {
     struct Item {
         std::size_t begin = 0, end = 0;  // of points_
         Box box;
-        double density[kColourStride] = {0.0, 0.0, 0.0, 0.0};  // amount over signed area, or amount for a pixel
+        double density[kColourStride] = {0.0, 0.0, 0.0,
+                                         0.0};  // amount over signed area, or amount for a pixel
         bool one_pixel = false;
         int layer = 0;
     };
@@ -77,7 +78,7 @@ class PolygonRaster {
     std::size_t channels_;
     std::vector<Item> items_;
     std::vector<Vec2d> points_;
-    std::vector<double> cover_;  // rows x (columns + 1) x channels of a group's box
+    std::vector<double> cover_;                 // rows x (columns + 1) x channels of a group's box
     std::vector<std::pair<int, int>> touched_;  // columns of each row that hold anything
     double group_density_ = 0.0;
     std::uint64_t fragments_ = 0;

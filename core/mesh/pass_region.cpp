@@ -5,15 +5,15 @@
 // The search zooms on the cells that may pass until they fill the grid or nothing is left. Boxes of
 // hit points, not rim ratios, since a cell larger than the pass region has every corner outside.
 //
-// Where rays die at different surfaces nothing can be said of the rays between them, and so a
-// search may stall on cells that lie on such borders and hold no passing ray at all (a fisheye's
-// ghosts, whose regions are a hundredth of its front). Those cells are then searched one by one,
-// ever finer.
+// Where rays die at different surfaces nothing can be said of the rays between them, so the search
+// may stall on such borders, far from any passing ray (a fisheye's regions are a hundredth of its
+// front). Then the light is followed from surface to surface first: the rays that come deepest show
+// where those that come deeper still must be.
 #include "core/mesh/pass_region.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace flare {
@@ -22,130 +22,137 @@ namespace {
 constexpr int kCellsU = 32;
 constexpr int kCellsV = 16;  // the half v >= 0; the other half is its mirror image
 constexpr int kMaxZooms = 8;
-constexpr int kCuts = 4;   // a cell that is searched is cut into 4 x 4
-constexpr int kDepth = 2;  // ... twice
-constexpr double kSparse =
-    0.005;  // share of passing corners below which a stalled search does that
+constexpr int kMaxFollows = 24;
+constexpr int kFew = 9;  // passing corners of a grid that show a region's outline; fewer do not
 
 struct Corner {
     bool inside = false;      // passes all rims and the stop
+    std::size_t passed = 0;   // interactions met within their rims before the first one outside
     std::vector<Vec2d> hits;  // as far as the ray came
 };
-
-using Corners = std::array<const Corner*, 4>;
 
 class Search {
   public:
     Search(const InteractionList& list, const LightBundle& bundle, PassRegion& tally)
         : list_(list), bundle_(bundle), tally_(tally) {}
 
-    std::optional<Rect> Run() {
-        Rect area{bundle_.centre_u() - bundle_.half_width(),
-                  bundle_.centre_u() + bundle_.half_width(), 0.0, bundle_.half_width()};
+    // The box of all cells that may pass, within `area`; its v starts at 0 as the result's does.
+    std::optional<Rect> Run(Rect area) {
         for (int zoom = 0; zoom < kMaxZooms; ++zoom) {
             TraceCorners(area);
             const std::optional<Rect> kept = KeptCells(area);
             if (!kept) return std::nullopt;
-            const double share = (kept->u1 - kept->u0) * (kept->v1 - kept->v0) /
-                                 ((area.u1 - area.u0) * (area.v1 - area.v0));
+            const double share = Share(*kept, area);
             area = *kept;
-            if (share <= 0.5) continue;
-            if (searched_ || PassingShare() > kSparse) break;
-            searched_ = true;  // from here on cells are searched, not judged by their corners alone
+            if (share > 0.5) break;
         }
-        return Rect{area.u0, area.u1, -area.v1, area.v1};
+        return area;
+    }
+
+    // After Run: next to no ray of the last grid passes.
+    bool stalled() const { return CountPassing(list_.steps.size()) < kFew; }
+
+    // Zooms on the corners that come deepest, as long as there are enough of them.
+    Rect Follow(Rect area) {
+        for (int follow = 0; follow < kMaxFollows; ++follow) {
+            TraceCorners(area);
+            std::size_t depth = list_.steps.size();
+            while (depth > 0 && CountPassing(depth) < kFew) --depth;
+            if (depth == list_.steps.size()) break;
+            Rect kept = BoxOf(area, 2, [&](int i, int j) { return At(i, j).passed >= depth; });
+            if (Share(kept, area) > 0.5) {
+                // They fill the grid, but the next surface is met by a few corners or between them.
+                std::size_t deepest = depth;
+                for (const Corner& corner : corners_) deepest = std::max(deepest, corner.passed);
+                if (deepest == depth) break;
+                kept = BoxOf(area, 2, [&](int i, int j) { return At(i, j).passed == deepest; });
+                if (Share(kept, area) > 0.5) break;
+            }
+            area = kept;
+        }
+        return area;
     }
 
   private:
-    Corner Trace(double u, double v) {
-        TraceOptions options;
-        options.clip = false;
-        options.record_points = true;
-        const TraceResult result = TraceRay(list_, bundle_.At(u, v), options, &record_);
-        Corner corner;
-        corner.hits.reserve(record_.points.size());
-        for (const Vec3d& p : record_.points) corner.hits.emplace_back(p.x, p.y);
-        // A ray that misses the first surface has no record at all.
-        const bool inside_rims = std::all_of(record_.rim_ratio2.begin(), record_.rim_ratio2.end(),
-                                             [](double ratio2) { return ratio2 <= 1.0; });
-        corner.inside =
-            result.fate == RayFate::kArrived && inside_rims && !result.out_of_order_inside;
-        ++tally_.rays;
-        tally_.ray_surfaces += record_.points.size();
-        return corner;
+    static double Share(const Rect& part, const Rect& area) {
+        return (part.u1 - part.u0) * (part.v1 - part.v0) /
+               ((area.u1 - area.u0) * (area.v1 - area.v0));
+    }
+
+    int CountPassing(std::size_t depth) const {
+        return static_cast<int>(
+            std::count_if(corners_.begin(), corners_.end(),
+                          [&](const Corner& corner) { return corner.passed >= depth; }));
     }
 
     void TraceCorners(const Rect& area) {
-        corners_.clear();
+        corners_.assign((kCellsU + 1) * (kCellsV + 1), {});
+        TraceOptions options;
+        options.clip = false;
+        options.record_points = true;
         for (int j = 0; j <= kCellsV; ++j) {
             for (int i = 0; i <= kCellsU; ++i) {
-                corners_.push_back(Trace(area.u0 + (area.u1 - area.u0) * i / kCellsU,
-                                         area.v0 + (area.v1 - area.v0) * j / kCellsV));
+                const double u = area.u0 + (area.u1 - area.u0) * i / kCellsU;
+                const double v = area.v0 + (area.v1 - area.v0) * j / kCellsV;
+                const TraceResult result = TraceRay(list_, bundle_.At(u, v), options, &record_);
+                Corner& corner = At(i, j);
+                for (const Vec3d& p : record_.points) corner.hits.emplace_back(p.x, p.y);
+                // A ray that misses the first surface has no record at all.
+                const bool inside_rims =
+                    std::all_of(record_.rim_ratio2.begin(), record_.rim_ratio2.end(),
+                                [](double ratio2) { return ratio2 <= 1.0; });
+                corner.inside =
+                    result.fate == RayFate::kArrived && inside_rims && !result.out_of_order_inside;
+                while (corner.passed < record_.rim_ratio2.size() &&
+                       record_.rim_ratio2[corner.passed] <= 1.0) {
+                    ++corner.passed;
+                }
+                ++tally_.rays;
+                tally_.ray_surfaces += record_.points.size();
             }
         }
     }
 
-    double PassingShare() const {
-        const auto passing = std::count_if(corners_.begin(), corners_.end(),
-                                           [](const Corner& corner) { return corner.inside; });
-        return static_cast<double>(passing) / static_cast<double>(corners_.size());
-    }
-
-    // Looks for a passing ray in a cell, `depth` times finer. What stays open in the finest cells
-    // is taken to pass only if rays reach the sensor on all sides of it.
-    bool Holds(const Rect& cell, int depth) {
-        const double du = (cell.u1 - cell.u0) / kCuts;
-        const double dv = (cell.v1 - cell.v0) / kCuts;
-        std::vector<Corner> corners;
-        for (int j = 0; j <= kCuts; ++j) {
-            for (int i = 0; i <= kCuts; ++i) {
-                corners.push_back(Trace(cell.u0 + i * du, cell.v0 + j * dv));
-                if (corners.back().inside) return true;
+    // The box of the chosen corners, `margin` cells wider on each side. There must be one.
+    template <class Chosen>
+    Rect BoxOf(const Rect& area, int margin, Chosen chosen) {
+        int i0 = kCellsU, i1 = 0, j1 = 0;
+        for (int j = 0; j <= kCellsV; ++j) {
+            for (int i = 0; i <= kCellsU; ++i) {
+                if (!chosen(i, j)) continue;
+                i0 = std::min(i0, i);
+                i1 = std::max(i1, i);
+                j1 = std::max(j1, j);
             }
         }
-        for (int j = 0; j < kCuts; ++j) {
-            for (int i = 0; i < kCuts; ++i) {
-                const Corner* const at = &corners[static_cast<std::size_t>(j * (kCuts + 1) + i)];
-                const Corners around = {at, at + 1, at + kCuts + 1, at + kCuts + 2};
-                if (!MayPass(around)) continue;
-                const bool all_arrive = std::all_of(
-                    around.begin(), around.end(),
-                    [&](const Corner* c) { return c->hits.size() == list_.steps.size(); });
-                if (all_arrive) return true;
-                const Rect part{cell.u0 + i * du, cell.u0 + (i + 1) * du, cell.v0 + j * dv,
-                                cell.v0 + (j + 1) * dv};
-                if (depth > 1 && Holds(part, depth - 1)) return true;
-            }
-        }
-        return false;
+        const double du = (area.u1 - area.u0) / kCellsU;
+        const double dv = (area.v1 - area.v0) / kCellsV;
+        // The half plane's rectangle always starts at v = 0: the region is symmetric and the grid
+        // covers both halves.
+        return Rect{area.u0 + du * std::max(0, i0 - margin),
+                    area.u0 + du * std::min(kCellsU, i1 + margin), 0.0,
+                    area.v0 + dv * std::min(kCellsV, j1 + margin)};
     }
 
     // The box of the cells that may pass, one cell wider on each side.
     std::optional<Rect> KeptCells(const Rect& area) {
-        const double du = (area.u1 - area.u0) / kCellsU;
-        const double dv = (area.v1 - area.v0) / kCellsV;
-        int i0 = kCellsU, i1 = -1, j0 = kCellsV, j1 = -1;
+        std::vector<std::uint8_t> kept(corners_.size());
+        bool any = false;
         for (int j = 0; j < kCellsV; ++j) {
             for (int i = 0; i < kCellsU; ++i) {
-                if (!MayPass({&At(i, j), &At(i + 1, j), &At(i, j + 1), &At(i + 1, j + 1)}))
-                    continue;
-                const Rect cell{area.u0 + du * i, area.u0 + du * (i + 1), area.v0 + dv * j,
-                                area.v0 + dv * (j + 1)};
-                if (searched_ && !Holds(cell, kDepth)) continue;
-                i0 = std::min(i0, i);
-                i1 = std::max(i1, i);
-                j0 = std::min(j0, j);
-                j1 = std::max(j1, j);
+                if (!MayPass(i, j)) continue;
+                any = true;
+                for (int corner = 0; corner < 4; ++corner) {
+                    kept[Index(i + corner % 2, j + corner / 2)] = 1;
+                }
             }
         }
-        if (i1 < 0) return std::nullopt;
-        // The half plane's rectangle always starts at v = 0: the region is symmetric and the grid
-        // covers both halves.
-        return Rect{area.u0 + du * std::max(0, i0 - 1), area.u0 + du * std::min(kCellsU, i1 + 2),
-                    0.0, area.v0 + dv * std::min(kCellsV, j1 + 2)};
+        if (!any) return std::nullopt;
+        return BoxOf(area, 1, [&](int i, int j) { return kept[Index(i, j)] != 0; });
     }
 
-    bool MayPass(const Corners& corners) const {
+    bool MayPass(int i, int j) {
+        const Corner* corners[] = {&At(i, j), &At(i + 1, j), &At(i, j + 1), &At(i + 1, j + 1)};
         std::size_t depth = std::numeric_limits<std::size_t>::max();
         std::size_t deepest = 0;
         for (const Corner* corner : corners) {
@@ -161,7 +168,7 @@ class Search {
         return some_alive || depth < deepest;
     }
 
-    bool Outside(const Corners& corners, std::size_t step) const {
+    bool Outside(const Corner* const (&corners)[4], std::size_t step) const {
         Vec2d lo(std::numeric_limits<double>::max());
         Vec2d hi(std::numeric_limits<double>::lowest());
         for (const Corner* corner : corners) {
@@ -178,31 +185,42 @@ class Search {
         return dx * dx + dy * dy > rim * rim;
     }
 
-    Corner& At(int i, int j) { return corners_[static_cast<std::size_t>(j * (kCellsU + 1) + i)]; }
+    static std::size_t Index(int i, int j) {
+        return static_cast<std::size_t>(j * (kCellsU + 1) + i);
+    }
+    Corner& At(int i, int j) { return corners_[Index(i, j)]; }
 
     const InteractionList& list_;
     const LightBundle& bundle_;
     PassRegion& tally_;
     std::vector<Corner> corners_;
-    bool searched_ = false;
     RayRecord record_;
 };
+
+std::optional<Rect> HalfRegion(const InteractionList& list, const LightBundle& bundle,
+                               PassRegion& tally) {
+    const double half = bundle.half_width();
+    const Rect whole{bundle.centre_u() - half, bundle.centre_u() + half, 0.0, half};
+    Search search(list, bundle, tally);
+    const std::optional<Rect> found = search.Run(whole);
+    if (!found || !search.stalled()) return found;
+    return search.Run(search.Follow(whole));
+}
 
 }  // namespace
 
 PassRegion FindPassRegion(const std::vector<InteractionList>& lists, const LightBundle& bundle) {
     PassRegion region;
-    for (const InteractionList& list : lists) {
-        const std::optional<Rect> rect = Search(list, bundle, region).Run();
-        if (!rect) continue;
-        if (!region.rect) {
-            region.rect = rect;
-            continue;
-        }
-        region.rect->u0 = std::min(region.rect->u0, rect->u0);
-        region.rect->u1 = std::max(region.rect->u1, rect->u1);
-        region.rect->v0 = std::min(region.rect->v0, rect->v0);
-        region.rect->v1 = std::max(region.rect->v1, rect->v1);
+    const std::optional<Rect> half = HalfRegion(lists[lists.size() / 2], bundle, region);
+    if (!half) return region;
+    region.rect = Rect{half->u0, half->u1, -half->v1, half->v1};
+    if (lists.size() > 1) {
+        // Dispersion moves the region's edges by a little.
+        constexpr double kWiden = 0.04;
+        Rect& rect = *region.rect;
+        const double du = kWiden * (rect.u1 - rect.u0);
+        const double dv = kWiden * (rect.v1 - rect.v0);
+        rect = {rect.u0 - du, rect.u1 + du, rect.v0 - dv, rect.v1 + dv};
     }
     return region;
 }

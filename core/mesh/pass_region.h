@@ -23,9 +23,9 @@ struct PassRegion {
     std::uint64_t ray_surfaces = 0;
 };
 
-// Searches at the wavelengths of `lists` (one bounce sequence written out for each). A region
-// narrower than about 1/2000 of the front element may be missed; such a ghost carries less than
-// 1e-6 of the light on the front.
+// Searched at the middle one of `lists` (one bounce sequence written out for several wavelengths)
+// and widened for the others. A region narrower than about 1/2000 of the front element may be
+// missed; such a ghost carries less than 1e-6 of the light on the front.
 PassRegion FindPassRegion(const std::vector<InteractionList>& lists, const LightBundle& bundle);
 
 }  // namespace flare

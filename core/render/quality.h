@@ -24,7 +24,7 @@ struct QualitySettings {
 QualitySettings SettingsOf(QualityPreset preset);
 
 // Wavelengths that geometry is traced and drawn over for colour; light beyond is drawn at the ends.
-inline constexpr double kTracedLow_nm = 390.0, kTracedHigh_nm = 730.0;
-inline constexpr double kDrawnLow_nm = 400.0, kDrawnHigh_nm = 700.0;
+inline constexpr double kTracedLow_nm = 405.0, kTracedHigh_nm = 705.0;
+inline constexpr double kDrawnLow_nm = 415.0, kDrawnHigh_nm = 690.0;
 
 }  // namespace flare

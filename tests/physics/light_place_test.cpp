@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/render/lights.h"
+#include "core/tracing/chief_ray.h"
 #include "core/tracing/light_bundle.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
@@ -148,19 +149,23 @@ TEST(PixelAndDirection, OfOneLightGiveTheSamePicture) {
 }
 
 TEST(PixelAndDirection, OfALensProjectionMeetAtTheChiefRay) {
-    Studio studio;
     for (const auto& [name, projection] : {std::pair{testing::kFisheyeName, Projection::kAuto},
                                            {testing::kSeedName, Projection::kLens}}) {
         FlareRequest request = SmallRequest(testing::LibraryLens(name));
         request.image.sensor_width_mm = 30.0;
         request.image.projection = projection;
-        request.image.crop = std::array<int, 4>{0, 0, 1, 1};
         for (const Vec2d& pixel : {Vec2d(96.0, 54.0), Vec2d(20.5, 70.0), Vec2d(130.0, 20.0)}) {
             request.lights[0] = LightSpec{};
             request.lights[0].pixel = pixel;
-            const LightFacts facts = studio.Shoot(request).report.facts.lights.at(0);
-            EXPECT_NEAR(facts.pixel.x, pixel.x, 1e-6);
-            EXPECT_NEAR(facts.pixel.y, pixel.y, 1e-6);
+            const Result<PlacedLight> light = PlaceLight(request, 0);
+            ASSERT_TRUE(light.ok());
+            const LightBundle bundle(*request.lens, light->field_rad, light->inverse_distance);
+            const std::optional<ChiefRay> chief = FindChiefRay(*request.lens, bundle, kLineD);
+            ASSERT_TRUE(chief.has_value());
+            const Vec2d landed =
+                MapOf(request.image, light->azimuth_rad).Pixel(chief->sensor_mm.x, 0.0);
+            EXPECT_NEAR(landed.x, pixel.x, 1e-6);
+            EXPECT_NEAR(landed.y, pixel.y, 1e-6);
         }
     }
 }

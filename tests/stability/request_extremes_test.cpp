@@ -140,9 +140,8 @@ TEST(NoLight, IsBlackAndTwoHalvesAreOne) {
     Studio studio;
     FlareRequest request = Sound();
     request.lights.clear();
-    for (const float value : studio.Shoot(request).image.planes[0].values) {
-        EXPECT_EQ(value, 0.0F);
-    }
+    const FlareImage black = studio.Shoot(request).image;
+    for (const float value : black.planes[0].values) EXPECT_EQ(value, 0.0F);
     request.lights = {LightAt(2.0)};
     const FlareImage one = studio.Shoot(request).image;
     request.lights = {LightAt(2.0), LightAt(2.0)};
@@ -158,7 +157,8 @@ TEST(IrradiancesAtTheEndsOfTheScale, StayFinite) {
         for (LightSpec& light : request.lights) light.irradiance = Vec3d(e, e, e);
         for (const ColorMode color : {ColorMode::kSpectral, ColorMode::kLinRec709}) {
             request.color = color;
-            for (const ImagePlane& plane : studio.Shoot(request).image.planes) {
+            const FlareImage image = studio.Shoot(request).image;
+            for (const ImagePlane& plane : image.planes) {
                 for (const float value : plane.values) ASSERT_TRUE(std::isfinite(value)) << e;
             }
         }
