@@ -10,13 +10,11 @@ namespace flare {
 
 class RasterSink final : public PieceSink {
   public:
-    RasterSink(const GhostLight& ghost, const RasterTarget& target)
-        : ghost_(ghost), raster_(target, ghost.channels) {}
+    // The ghost must outlive the sink.
+    RasterSink(const GhostLight& ghost, const RasterTarget& target);
 
-    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
-        raster_.Add(points, light, ghost_.bands[static_cast<std::size_t>(band)].layer);
-    }
-    void EndOfPiece() override { raster_.Flush(); }
+    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override;
+    void EndOfPiece() override;
 
     std::uint64_t fragments() const { return raster_.fragments(); }
 

@@ -21,6 +21,10 @@ constexpr int kTracerVersion = 1;  // part of every key: raise when traced value
 // neighbours for cubic interpolation.
 constexpr double kGuardCells = 1.5;
 
+// Bounds the memory of a mesh that hardly any ray survives; past it cells that have four living corners
+// stay as they are and others are left out.
+constexpr std::size_t kMostPatches = 4096;
+
 // Squared cosines below this are near total reflection.
 constexpr double kNearCritical = 0.1;
 
@@ -238,7 +242,7 @@ class Builder {
                 const bool patch = living == 4 ? NearestRatio2(main, corners) < kNearlyPasses &&
                                                      RoughCell(main, i, j)
                                                : MayPassInPart(main, corners, living, dead_inside);
-                if (patch) {
+                if (patch && raw.size() <= kMostPatches) {
                     use = CellUse::kPatched;
                     raw.push_back(Patch(raw.front().grid, i, j));
                 } else if (living == 4) {

@@ -153,7 +153,11 @@ INSTANTIATE_TEST_SUITE_P(
         Counted{"HeliarNear", testing::kHeliarName, {6, 4}, 8.0, 500.0, 0.0, true},
         Counted{"RetrofocusField", testing::kRetrofocusName, {5, 3}, 20.0, 0.0, 0.0, true},
         Counted{"RetrofocusNear", testing::kRetrofocusName, {11, 8}, 10.0, 500.0, 4.0, false},
-        Counted{"FisheyeBeyond90", testing::kFisheyeName, {16, 13}, 95.0, 0.0, 0.0, true}),
+        Counted{"FisheyeBeyond90", testing::kFisheyeName, {16, 13}, 95.0, 0.0, 0.0, true},
+        Counted{"FisheyeFarField", testing::kFisheyeName, {13, 9}, 100.0, 0.0, 0.0, true},
+        Counted{"FisheyeAxis", testing::kFisheyeName, {13, 12}, 0.0, 0.0, 0.0, false},
+        Counted{"FisheyeSteep", testing::kFisheyeName, {6, 1}, 95.0, 0.0, 0.0, true},
+        Counted{"PrimeField", testing::kPrimeName, {9, 4}, 12.0, 0.0, 0.0, false}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -122,6 +122,7 @@ TEST(SceneLinear, IsSensorIrradianceTimes4NwSquaredOverPiTAtEveryPixel) {
     for (const double f_number : {2.0, 5.6}) {
         FlareRequest request = SeedRequest(160, 90);
         request.lens = testing::BuildLens(testing::SeedLens());
+        request.quality = QualityPreset::kDraft;
         request.f_number = f_number;
         request.color = ColorMode::kLinRec709;
         const FlareImage irradiance = studio.Shoot(request).image;

@@ -195,6 +195,7 @@ TEST(AnFNumberBelowTheLensesOwn, IsClampedAndTheReportSaysSo) {
     FlareRequest request = Sound();
     request.lens = testing::BuildLens(testing::SeedLens());
     request.image.crop = std::array<int, 4>{0, 0, 4, 4};
+    request.quality = QualityPreset::kDraft;
     request.f_number = 0.7;
     const Rendering clamped = studio.Shoot(request);
     EXPECT_NEAR(clamped.report.facts.f_number, 2.0302, 1e-4);

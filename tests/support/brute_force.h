@@ -18,30 +18,47 @@ struct CountedFlux {
     int arrived = 0;
 };
 
-// `side` rays a side over the rectangle of the bundle where a coarse look finds rays that pass.
-// `each(sensor place, flux)` is called for every ray that arrives.
+// The box of the bundle's plane, v >= 0, that holds the rays which arrive.
+struct ArrivalBox {
+    double u0 = 0.0, u1 = 0.0, v1 = 0.0;
+    bool empty = true;
+};
+
+// Looks at `side` x side / 2 rays within `in` and widens what it finds by three of their steps.
+inline ArrivalBox LookForArrivals(const InteractionList& list, const LightBundle& bundle,
+                                  const TraceOptions& options, const ArrivalBox& in, int side) {
+    const double du = (in.u1 - in.u0) / side;
+    const double dv = in.v1 / (side / 2);
+    ArrivalBox box{1e300, -1e300, 0.0, true};
+    for (int j = 0; j <= side / 2; ++j) {
+        for (int i = 0; i <= side; ++i) {
+            const double u = in.u0 + i * du;
+            const double v = j * dv;
+            const TraceResult ray = TraceRay(list, bundle.At(u, v), options, nullptr);
+            if (ray.fate != RayFate::kArrived) continue;
+            box = {std::min(box.u0, u - 3.0 * du), std::max(box.u1, u + 3.0 * du),
+                   std::max(box.v1, v + 3.0 * dv), false};
+        }
+    }
+    return box;
+}
+
+// `side` x side / 2 rays over the part of the bundle where a first look finds rays that pass.
+// `each(sensor place, flux)` is called for every ray that arrives; the light's mirror symmetry
+// doubles its flux.
 template <class Each>
 CountedFlux CountFlux(const Lens& lens, const LightBundle& bundle, const BounceSequence& sequence,
                       double wavelength_nm, const Iris& iris, int side, Each each) {
     const InteractionList list = WriteOut(lens, sequence, wavelength_nm);
     const TraceOptions options{true, &iris, false};
-    constexpr int kLook = 256;
-    const double step = 2.0 * bundle.half_width() / kLook;
-    double u0 = 1e300, u1 = -1e300, v1 = -1e300;
-    for (int j = 0; j <= kLook / 2; ++j) {
-        for (int i = 0; i <= kLook; ++i) {
-            const double u = bundle.centre_u() - bundle.half_width() + i * step;
-            const double v = j * step;
-            if (TraceRay(list, bundle.At(u, v), options, nullptr).fate != RayFate::kArrived)
-                continue;
-            u0 = std::min(u0, u - step);
-            u1 = std::max(u1, u + step);
-            v1 = std::max(v1, v + step);
-        }
+    const double half = bundle.half_width();
+    ArrivalBox box{bundle.centre_u() - half, bundle.centre_u() + half, half, false};
+    for (const int look : {256, 96}) {
+        box = LookForArrivals(list, bundle, options, box, look);
+        if (box.empty) return {};
     }
+    const auto [u0, u1, v1, empty] = box;
     CountedFlux counted;
-    if (u1 < u0) return counted;
-    // Mirror symmetry: half the plane, twice the light.
     const double du = (u1 - u0) / side;
     const double dv = v1 / (side / 2);
     RayRecord record;

@@ -81,11 +81,12 @@ std::string Refusal(std::string_view bytes) {
 
 // Overwrites the value of a header attribute, found by its name, type and size.
 std::string Forged(std::string bytes, const std::string& name, const std::string& type,
-                   std::size_t offset, std::int32_t value) {
+                   std::ptrdiff_t offset, std::int32_t value) {
     const std::string key = name + '\0' + type + '\0';
     const std::size_t at = bytes.find(key);
     EXPECT_NE(at, std::string::npos);
-    std::memcpy(bytes.data() + at + key.size() + 4 + offset, &value, sizeof value);
+    const auto to = static_cast<std::ptrdiff_t>(at + key.size() + 4) + offset;
+    std::memcpy(bytes.data() + to, &value, sizeof value);
     return bytes;
 }
 
@@ -191,7 +192,7 @@ TEST(DecodeExr, RefusesSubsampledChannels) {
 TEST(DecodeExr, RefusesHugeClaimsBeforeMemoryIsTaken) {
     const std::string lines = ScanLineFile(Imf::ZIP_COMPRESSION);
     const std::string tiles = TiledFile(Imf::ONE_LEVEL);
-    for (const std::size_t corner : {std::size_t{8}, std::size_t{12}}) {
+    for (const std::ptrdiff_t corner : {8, 12}) {
         EXPECT_NE(Refusal(Forged(lines, "dataWindow", "box2i", corner, INT32_MAX)).find("limit"),
                   std::string::npos);
         EXPECT_NE(Refusal(Forged(tiles, "dataWindow", "box2i", corner, 1 << 28)).find("limit"),
@@ -201,7 +202,7 @@ TEST(DecodeExr, RefusesHugeClaimsBeforeMemoryIsTaken) {
     Refusal(Forged(lines, "dataWindow", "box2i", 8, -1));
     EXPECT_NE(Refusal(Forged(tiles, "tiles", "tiledesc", 0, INT32_MAX)).find("too large"),
               std::string::npos);
-    EXPECT_NE(Refusal(Forged(lines, "channels", "chlist", static_cast<std::size_t>(-4), INT32_MAX))
+    EXPECT_NE(Refusal(Forged(lines, "channels", "chlist", -4, INT32_MAX))
                   .find("past the end"),
               std::string::npos);
 }
