@@ -21,8 +21,8 @@ constexpr int kTracerVersion = 1;  // part of every key: raise when traced value
 // neighbours for cubic interpolation.
 constexpr double kGuardCells = 1.5;
 
-// Bounds the memory of a mesh that hardly any ray survives; past it cells that have four living corners
-// stay as they are and others are left out.
+// Bounds the memory of a mesh that hardly any ray survives; past it cells that have four living
+// corners stay as they are and others are left out.
 constexpr std::size_t kMostPatches = 4096;
 
 // Squared cosines below this are near total reflection.

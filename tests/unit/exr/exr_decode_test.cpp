@@ -202,8 +202,7 @@ TEST(DecodeExr, RefusesHugeClaimsBeforeMemoryIsTaken) {
     Refusal(Forged(lines, "dataWindow", "box2i", 8, -1));
     EXPECT_NE(Refusal(Forged(tiles, "tiles", "tiledesc", 0, INT32_MAX)).find("too large"),
               std::string::npos);
-    EXPECT_NE(Refusal(Forged(lines, "channels", "chlist", -4, INT32_MAX))
-                  .find("past the end"),
+    EXPECT_NE(Refusal(Forged(lines, "channels", "chlist", -4, INT32_MAX)).find("past the end"),
               std::string::npos);
 }
 
