@@ -53,7 +53,9 @@ CountedFlux CountFlux(const Lens& lens, const LightBundle& bundle, const BounceS
     const TraceOptions options{true, &iris, false};
     const double half = bundle.half_width();
     ArrivalBox box{bundle.centre_u() - half, bundle.centre_u() + half, half, false};
-    for (const int look : {256, 96}) {
+    // Fine enough for the small separate parts that a wide front element's regions may have.
+    const int first_look = std::max(256, 2 * static_cast<int>(5.0 * half));
+    for (const int look : {first_look, 96}) {
         box = LookForArrivals(list, bundle, options, box, look);
         if (box.empty) return {};
     }
