@@ -170,8 +170,8 @@ TEST(ALightAtTheEndOfTheWorld, IsALightAtInfinity) {
     }
 }
 
-// Row 12: the focused ghost (9,1) puts its light into few pixels, and all of it.
-TEST(AFocusedGhost, KeepsItsLightAtAnyFNumber) {
+// Row 12: the focused ghost (9,1) puts its light into few pixels.
+TEST(AFocusedGhost, StaysFiniteAtAnyFNumber) {
     Studio studio;
     FlareRequest request = SeedRequest();
     request.image.width = 4096;
