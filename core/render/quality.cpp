@@ -8,7 +8,7 @@ QualitySettings SettingsOf(QualityPreset preset) {
         case QualityPreset::kDraft:
             return {16, 8, 0.1, 0.03, 3, 14, 16.0, 8, 5e-3, {0.2, 0.15, 4.0, 64.0, 0.15}};
         case QualityPreset::kPreview:
-            return {32, 8, 0.03, 0.01, 3, 21, 8.0, 16, 2e-3, {0.1, 0.06, 2.0, 48.0, 0.06}};
+            return {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
         case QualityPreset::kFinal:
             return {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
         case QualityPreset::kReference:
