@@ -66,22 +66,27 @@ Iris::Iris(const IrisShape& shape, double opening_semi_diameter_mm, double rim_s
     area_mm2_ = circumradius * circumradius * unit.area;
     if (circumradius <= rim) return;
 
-    // The rim cuts the corners off: the area then is that of the radius function, capped.
     edges_.push_back(rim_edge);
+    rim_cuts_ = true;
+}
+
+// Where the rim cuts corners off, the area is that of the radius function, capped.
+double Iris::area_mm2() const {
+    if (!rim_cuts_) return area_mm2_;
     constexpr int kSteps = 1 << 14;
     double sum = 0.0;
     for (int i = 0; i < kSteps; ++i) {
         const double phi = 2.0 * kPi * (i + 0.5) / kSteps;
         const Vec2d u(std::cos(phi), std::sin(phi));
         double lo = 0.0;
-        double hi = rim;
+        double hi = outer_radius_;
         for (int step = 0; step < 45; ++step) {
             const double mid = 0.5 * (lo + hi);
             (Distance(u * mid) <= 0.0 ? lo : hi) = mid;
         }
         sum += lo * lo;
     }
-    area_mm2_ = kPi * sum / kSteps;
+    return kPi * sum / kSteps;
 }
 
 double Iris::EdgeDistance(int k, Vec2d p) const {

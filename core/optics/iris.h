@@ -42,7 +42,8 @@ class Iris {
     double outer_radius() const { return outer_radius_; }
     // Every point nearer to the centre than this lies in the opening.
     double inner_radius() const { return inner_radius_; }
-    double area_mm2() const { return area_mm2_; }  // by quadrature, 1e-6 relative
+    // 1e-6 relative; by quadrature where the rim cuts the opening, so not for a hot path.
+    double area_mm2() const;
 
   private:
     struct Edge {
@@ -52,7 +53,9 @@ class Iris {
         double radius = 0.0;     // 0: straight
     };
     std::vector<Edge> edges_;
-    double outer_radius_ = 0.0, inner_radius_ = 0.0, area_mm2_ = 0.0;
+    double outer_radius_ = 0.0, inner_radius_ = 0.0;
+    double area_mm2_ = 0.0;  // before the rim cuts it
+    bool rim_cuts_ = false;
 };
 
 }  // namespace flare
