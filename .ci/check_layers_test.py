@@ -11,9 +11,10 @@ import check_layers  # noqa: E402
 
 CMAKE = {
     "core/base": "flare_layer(base 1\n    SOURCES check.cpp)",
-    "core/optics": "flare_layer(optics 2 SOURCES lens.cpp glass.cpp USES base)\n"
-                   "# a comment (with brackets)\n"
-                   "flare_layer(prescription 3 SOURCES prescription_reader.cpp USES base optics)",
+    "core/optics": "# a comment (with brackets)\n"
+                   "flare_layer(optics 2 SOURCES lens.cpp glass.cpp USES base)",
+    "core/prescription": "flare_layer(prescription 3 SOURCES toml_document.cpp prescription_reader.cpp\n"
+                         "    USES base optics)",
     "core/spectrum": "flare_layer(spectrum 2 SOURCES spectrum.cpp USES base)",
     "core/tracing": "flare_layer(tracing 3 SOURCES trace.cpp USES base optics)",
     "core/image": "flare_layer(image 5 SOURCES raster.cpp USES tracing)\n"
@@ -38,9 +39,9 @@ CASES = [
     ("core/optics/lens.h", '#include "core/tracing/trace.h"', False),
     ("core/optics/lens.h", '#include "core/spectrum/spectrum.h"', False),
     ("core/tracing/trace.cpp", '#include "core/spectrum/spectrum.h"', False),
-    ("core/optics/lens.cpp", '#include "core/optics/prescription_reader.h"', False),
+    ("core/optics/lens.cpp", '#include "core/prescription/prescription_reader.h"', False),
     ("core/optics/lens.cpp", '#include "core/optics/prescription.h"', True),
-    ("core/optics/prescription_reader.cpp", "#include <toml++/toml.h>", True),
+    ("core/prescription/toml_document.cpp", "#include <toml++/toml.h>", True),
     ("core/optics/lens.cpp", "  #  include <toml++/toml.h>", False),
     ("core/image/preview.cpp", '#include "core/image/flare_image.h"', True),
     ("core/image/preview.cpp", '#include "core/image/exr.h"', False),

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <numeric>
 
-#include "core/optics/prescription_check.h"
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_check.h"
+#include "core/prescription/prescription_reader.h"
 
 namespace flare {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "core/optics/paraxial.h"
-#include "core/optics/prescription_check.h"
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_check.h"
+#include "core/prescription/prescription_reader.h"
 #include "server/cli/app.h"
 #include "server/cli/files.h"
 #include "server/cli/table.h"

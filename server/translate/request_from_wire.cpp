@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/optics/prescription_check.h"
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_check.h"
+#include "core/prescription/prescription_reader.h"
 #include "protocol/limits.h"
 #include "server/translate/document_from_json.h"
 

@@ -11,7 +11,7 @@
 
 #include "core/base/check.h"
 #include "core/optics/lens.h"
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_reader.h"
 
 namespace flare::testing {
 

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "core/optics/lens.h"
-#include "core/optics/prescription_check.h"
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_check.h"
+#include "core/prescription/prescription_reader.h"
 #include "tests/support/seed_lens.h"
 
 namespace flare {

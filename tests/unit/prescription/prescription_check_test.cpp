@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/optics/prescription_check.h"
+#include "core/prescription/prescription_check.h"
 
 #include <gtest/gtest.h>
 

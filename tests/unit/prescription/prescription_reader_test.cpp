@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/optics/prescription_reader.h"
+#include "core/prescription/prescription_reader.h"
 
 #include <gtest/gtest.h>
 

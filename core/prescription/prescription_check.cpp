@@ -6,7 +6,7 @@
 // rounds, and narrow enough for the slips that occur: diameters taken for radii (f-number off by
 // 2), a gap of another zoom setting (EFL off by 5 % and more), a focus that is not where the file
 // says.
-#include "core/optics/prescription_check.h"
+#include "core/prescription/prescription_check.h"
 
 #include <algorithm>
 #include <cmath>

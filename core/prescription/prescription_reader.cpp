@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The meaning of a document tree, whatever syntax it came from. The first error ends the reading.
+// What numbers are *possible* (an index of 0.9, a negative gap) is not judged here but by
+// FindFaults, which serves lenses from every source; here a number must only be one.
+#include "core/prescription/prescription_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/prescription/document_fields.h"
+#include "core/prescription/toml_document.h"
+
+namespace flare {
+
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 100;
+
+void ReadKind(Fields& fields, const std::string& owner, SurfaceKind& kind) {
+    std::string word;
+    if (!fields.Read("kind", word)) return;
+    const std::string& where = fields.Find("kind")->where;
+    if (word == "sphere") {
+        kind = SurfaceKind::kSphere;
+    } else if (word == "plane") {
+        kind = SurfaceKind::kPlane;
+    } else if (word == "stop") {
+        kind = SurfaceKind::kStop;
+    } else if (word == "asphere" || word == "cylinder_x" || word == "cylinder_y" ||
+               word == "toroid" || word == "sensor") {
+        fields.Fail("the kind \"" + word + "\" of " + owner + " is not supported yet", where,
+                    "unsupported");
+    } else {
+        fields.Fail("\"kind\" of " + owner + " is \"" + word +
+                        "\"; it must be \"sphere\", \"plane\" or \"stop\"",
+                    where);
+    }
+}
+
+Result<SurfacePrescription> ReadSurface(const DocumentNode& node, std::size_t index, bool last) {
+    const std::string owner = SurfaceLabel(index);
+    Fields fields(node, owner);
+    fields.Allow({"kind", "radius_mm", "gap_mm", "nd", "vd", "semi_diameter_mm", "coating"},
+                 {"conic", "asphere", "glass", "radius_x_mm", "radius_y_mm"});
+
+    SurfacePrescription out;
+    out.where = node.where;
+    ReadKind(fields, owner, out.kind);
+    fields.Read("radius_mm", out.radius_mm);
+    out.gap_given = fields.Read("gap_mm", out.gap_mm);
+    if (!last) fields.Require("gap_mm");
+    fields.Read("nd", out.nd);
+    fields.Read("vd", out.vd);
+    fields.Require("semi_diameter_mm");
+    fields.Read("semi_diameter_mm", out.semi_diameter_mm);
+    if (std::string coating; fields.Read("coating", coating)) out.coating = coating;
+
+    if (fields.error().has_value()) return *fields.error();
+    return out;
+}
+
+void ReadName(Fields& fields, std::string& name) {
+    fields.Require("name");
+    if (!fields.Read("name", name)) return;
+    const bool printable = std::all_of(name.begin(), name.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte >= 0x20 && byte != 0x7f;
+    });
+    if (name.empty() || name.size() > kMaxNameBytes || !printable) {
+        fields.Fail("\"name\" must have 1 to " + std::to_string(kMaxNameBytes) +
+                        " bytes and no control characters",
+                    fields.Find("name")->where);
+    }
+}
+
+void ReadDesign(Fields& fields, Prescription& out) {
+    const DocumentNode* node = fields.Find("design");
+    if (node == nullptr) return;
+    Fields design(*node, "design");
+    design.Allow({"focal_mm", "f_number", "image_circle_mm"}, {});
+    design.Read("focal_mm", out.design_focal_mm);
+    design.Read("f_number", out.design_f_number);
+    design.Read("image_circle_mm", out.design_image_circle_mm);
+    for (const auto& [key, value] :
+         {std::pair("focal_mm", out.design_focal_mm), std::pair("f_number", out.design_f_number),
+          std::pair("image_circle_mm", out.design_image_circle_mm)}) {
+        if (value.has_value() && !(*value > 0.0)) {
+            design.Fail(
+                std::string("\"") + key + "\" of design must be above 0, not " + NumberText(*value),
+                design.Find(key)->where);
+        }
+    }
+    if (design.error().has_value()) {
+        fields.Fail(design.error()->message, design.error()->where, design.error()->code);
+    }
+}
+
+void ReadSurfaces(Fields& fields, Prescription& out) {
+    const DocumentNode* node = fields.Require("surface");
+    if (node == nullptr) return;
+    const DocumentNode::Array* rows = node->array();
+    if (rows == nullptr) {
+        fields.Fail(std::string("\"surface\" must be an array of tables, not ") + TypeNameOf(*node),
+                    node->where);
+        return;
+    }
+    if (rows->empty() || rows->size() > static_cast<std::size_t>(kMaxSurfaces)) {
+        fields.Fail("a lens has 1 to " + std::to_string(kMaxSurfaces) + " surfaces, not " +
+                        std::to_string(rows->size()),
+                    node->where);
+        return;
+    }
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+        Result<SurfacePrescription> surface = ReadSurface((*rows)[i], i, i + 1 == rows->size());
+        if (!surface) {
+            fields.Fail(surface.error().message, surface.error().where, surface.error().code);
+            return;
+        }
+        out.surfaces.push_back(std::move(*surface));
+    }
+}
+
+}  // namespace
+
+Result<Prescription> ReadPrescription(const DocumentNode& root) {
+    Fields fields(root, "the lens");
+    fields.Allow({"name", "maker", "patent", "source", "notes", "design", "default_coating",
+                  "fisheye", "surface"},
+                 {"states"});
+    Prescription out;
+    ReadName(fields, out.name);
+    fields.Read("maker", out.maker);
+    fields.Read("patent", out.patent);
+    fields.Read("source", out.source);
+    fields.Read("notes", out.notes);
+    fields.Read("default_coating", out.default_coating);
+    fields.Read("fisheye", out.fisheye);
+    ReadDesign(fields, out);
+    ReadSurfaces(fields, out);
+    if (fields.error().has_value()) return *fields.error();
+    return out;
+}
+
+Result<Prescription> ReadPrescriptionToml(std::string_view text) {
+    if (text.size() > kMaxLensFileBytes) {
+        return Error{"bad_lens",
+                     "a lens file may have " + std::to_string(kMaxLensFileBytes) + " bytes, not " +
+                         std::to_string(text.size()),
+                     ""};
+    }
+    const Result<DocumentNode> root = ParseToml(text, "bad_lens");
+    if (!root) return root.error();
+    return ReadPrescription(*root);
+}
+
+}  // namespace flare
