@@ -104,8 +104,7 @@ struct GhostWalk::Work {
                                 sheet.surface);
         for (int c = 0; c < mesh.stop_crossings; ++c) {
             const auto f = static_cast<std::size_t>(mesh.stop_field(c));
-            MapNets(nets[f], nets[f + 1], {map.cos_azimuth, map.sin_azimuth},
-                    {-map.sin_azimuth, map.cos_azimuth}, {0.0, 0.0});
+            MapNets(nets[f], nets[f + 1], map.stop_per_x, map.stop_per_y, {0.0, 0.0});
             const NetRange sx = RangeOf(nets[f]);
             const NetRange sy = RangeOf(nets[f + 1]);
             if (NearestToOrigin(sx, sy) > iris.outer_radius()) return false;

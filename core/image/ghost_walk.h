@@ -18,12 +18,13 @@
 
 namespace flare {
 
-// Sensor (lens space, canonical azimuth) to picture: pixel = linear * mm + offset. Also turns stop
-// coordinates back by the azimuth, since the iris does not turn with the light.
+// Sensor (canonical lens space) to picture: pixel = linear * mm + offset. Also turns stop
+// coordinates back into lens space, since the iris does not turn with the light.
 struct PictureMap {
     Vec2d px_per_x{1.0, 0.0}, px_per_y{0.0, 1.0};  // pixels a mm along canonical sensor x and y
     Vec2d offset_px{0.0, 0.0};
-    double cos_azimuth = 1.0, sin_azimuth = 0.0;
+    // Canonical x and y as they stand in lens space.
+    Vec2d stop_per_x{1.0, 0.0}, stop_per_y{0.0, 1.0};
 
     Vec2d Pixel(double x_mm, double y_mm) const {
         return offset_px + px_per_x * x_mm + px_per_y * y_mm;

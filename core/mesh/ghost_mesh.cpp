@@ -4,11 +4,12 @@
 namespace flare {
 
 std::size_t GhostMesh::bytes() const {
-    std::size_t sum = sizeof(GhostMesh) + sequence.size() * sizeof(int) + rims.size() * sizeof(int);
+    std::size_t sum =
+        sizeof(GhostMesh) + (sequence.size() + rims.size() + absorbing.size()) * sizeof(int);
     for (const MeshGrid& grid : grids) {
         sum += sizeof(MeshGrid) + grid.alive.size() + grid.cells.size();
         for (const MeshNode& node : grid.nodes) {
-            sum += sizeof(MeshNode) + (node.fields.size() + node.rare_cos2.size()) * sizeof(float);
+            sum += sizeof(MeshNode) + (node.fields.size() + node.passage.size()) * sizeof(float);
         }
     }
     return sum;

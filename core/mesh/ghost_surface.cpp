@@ -64,7 +64,8 @@ void FillBilinear(std::array<std::array<double, 4>, 4>& jets) {
 
 }  // namespace
 
-GhostSurface::GhostSurface(std::shared_ptr<const GhostMesh> mesh) : mesh_(std::move(mesh)) {
+GhostSurface::GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm)
+    : mesh_(std::move(mesh)), sensor_gap_mm_(sensor_gap_mm) {
     for (std::size_t g = 0; g < mesh_->grids.size(); ++g) {
         const MeshGrid& grid = mesh_->grids[g];
         for (int j = 0; j + 1 < grid.nv; ++j) {
@@ -97,10 +98,10 @@ void GhostSurface::AddSlopes(const MeshGrid& grid, GridSlopes& out) const {
                     for (std::size_t f = 0; f < fields; ++f) {
                         auto& slope = slopes[grid.Vertex(i, j) * fields + f];
                         const auto along_u = [&](int k) {
-                            return static_cast<double>(node.fields[grid.Vertex(k, j) * fields + f]);
+                            return Value(node, grid.Vertex(k, j), f);
                         };
                         const auto along_v = [&](int k) {
-                            return static_cast<double>(node.fields[grid.Vertex(i, k) * fields + f]);
+                            return Value(node, grid.Vertex(i, k), f);
                         };
                         const auto du_along_v = [&](int k) {
                             return static_cast<double>(slopes[grid.Vertex(i, k) * fields + f][0]);
@@ -119,6 +120,14 @@ void GhostSurface::AddSlopes(const MeshGrid& grid, GridSlopes& out) const {
     }
 }
 
+double GhostSurface::Value(const MeshNode& node, std::size_t vertex, std::size_t f) const {
+    const auto stored = static_cast<std::size_t>(mesh_->stored_count());
+    const float* const at = &node.fields[vertex * stored];
+    if (f >= 2) return static_cast<double>(at[f]);
+    const auto slope = static_cast<std::size_t>(mesh_->field_count()) + f;
+    return static_cast<double>(at[f]) + sensor_gap_mm_ * static_cast<double>(at[slope]);
+}
+
 CellUse GhostSurface::UseOf(const CellPlace& cell) const {
     const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(cell.grid)];
     return grid.cells[grid.Cell(cell.i, cell.j)];
@@ -135,7 +144,7 @@ int GhostSurface::DeadCorner(const CellPlace& cell) const {
 bool GhostSurface::FarOutsideStop(const CellPlace& cell, double radius_mm) const {
     const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(cell.grid)];
     if (UseOf(cell) == CellUse::kTriangle) return false;
-    const auto fields = static_cast<std::size_t>(mesh_->field_count());
+    const auto fields = static_cast<std::size_t>(mesh_->stored_count());
     for (int crossing = 0; crossing < mesh_->stop_crossings; ++crossing) {
         bool outside = true;
         for (const MeshNode& node : grid.nodes) {
@@ -176,8 +185,7 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
                                                    cell.j + static_cast<int>(corner / 2));
             for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
                 const double w = node_weights[k];
-                jets[corner][0] +=
-                    w * static_cast<double>(grid.nodes[k].fields[vertex * fields + f]);
+                jets[corner][0] += w * Value(grid.nodes[k], vertex, f);
                 if (!grid.smooth) continue;
                 const auto& slope =
                     slopes_[static_cast<std::size_t>(cell.grid)][k][vertex * fields + f];

@@ -30,9 +30,11 @@ struct CellPlace {
 
 class GhostSurface {
   public:
-    explicit GhostSurface(std::shared_ptr<const GhostMesh> mesh);
+    // `sensor_gap_mm`: from the last vertex to the sensor.
+    GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm);
 
     const GhostMesh& mesh() const { return *mesh_; }
+    double sensor_gap_mm() const { return sensor_gap_mm_; }
 
     // All cells that may pass light, in a fixed order.
     const std::vector<CellPlace>& cells() const { return cells_; }
@@ -55,7 +57,11 @@ class GhostSurface {
     using GridSlopes = std::vector<std::vector<std::array<float, 3>>>;
     void AddSlopes(const MeshGrid& grid, GridSlopes& out) const;
 
+    // Field f of a vertex, those of the sensor taken to where it stands.
+    double Value(const MeshNode& node, std::size_t vertex, std::size_t f) const;
+
     std::shared_ptr<const GhostMesh> mesh_;
+    double sensor_gap_mm_;
     std::vector<CellPlace> cells_;
     std::vector<GridSlopes> slopes_;  // of each smooth grid
 };

@@ -11,11 +11,12 @@
 
 #include "core/base/check.h"
 #include "core/mesh/pass_region.h"
+#include "core/mesh/transmission.h"
 
 namespace flare {
 namespace {
 
-constexpr int kTracerVersion = 1;  // part of every key: raise when traced values change
+constexpr int kTracerVersion = 2;  // part of every key: raise when traced values change
 
 // Cells beyond the pass region on each side, so that the masks' edges lie inside the grid with
 // neighbours for cubic interpolation.
@@ -33,10 +34,10 @@ constexpr double kNearCritical = 0.1;
 constexpr double kNearlyPasses = 1.05;
 
 struct RawNode {
-    std::vector<float> sensor;     // [vertex][2]
-    std::vector<float> stops;      // [vertex][2 * crossings]
-    std::vector<float> rims;       // [vertex][interaction], see GhostMesh
-    std::vector<float> rare_cos2;  // [vertex][interaction]
+    std::vector<float> exit;     // [vertex][x, y, dx/dz, dy/dz] at the last vertex
+    std::vector<float> stops;    // [vertex][2 * crossings]
+    std::vector<float> rims;     // [vertex][interaction], see GhostMesh
+    std::vector<float> passage;  // [vertex][passage], see transmission.h
 };
 
 // How a vertex counts for the masks at all wavelengths.
@@ -60,13 +61,20 @@ CellCorners CornersOf(const MeshGrid& grid, int i, int j) {
 class Builder {
   public:
     Builder(const Lens& lens, const MeshSpec& spec)
-        : spec_(spec), bundle_(lens, spec.field_rad, spec.inverse_distance) {
+        : spec_(spec),
+          bundle_(lens, spec.field_rad, spec.inverse_distance, spec.azimuth_rad),
+          sensor_gap_mm_(lens.nominal_sensor_gap_mm()) {
         for (const double wavelength : spec.wavelengths_nm) {
             lists_.push_back(WriteOut(lens, spec.sequence, wavelength));
+            // Traced to the last vertex, wherever the sensor stands: not even the last bit may
+            // depend on the focus.
+            lists_.back().sensor_z_mm = lens.surfaces().back().vertex_z_mm;
         }
         mesh_.sequence = spec.sequence;
         mesh_.field_rad = spec.field_rad;
+        mesh_.azimuth_rad = spec.azimuth_rad;
         mesh_.inverse_distance = spec.inverse_distance;
+        mesh_.absorbing = AbsorbingSteps(lens, spec.sequence);
         mesh_.stop_crossings = lists_.front().stop_crossings;
         mesh_.interactions = static_cast<int>(lists_.front().steps.size());
         stop_semi_diameter_mm_ =
@@ -96,13 +104,14 @@ class Builder {
         raw.grid.du = (rect.u1 - rect.u0) / inner;
         raw.grid.dv = (rect.v1 - rect.v0) / inner;
         raw.grid.u0 = rect.u0 - kGuardCells * raw.grid.du;
-        raw.grid.v0 = -0.5 * cells * raw.grid.dv;
+        const bool mirrored = bundle_.mirror_symmetric();
+        raw.grid.v0 = mirrored ? -0.5 * cells * raw.grid.dv : rect.v0 - kGuardCells * raw.grid.dv;
         Allocate(raw);
         FLARE_CHECK(cells % 2 == 0);
-        for (int j = cells / 2; j <= cells; ++j) {
+        for (int j = mirrored ? cells / 2 : 0; j <= cells; ++j) {
             for (int i = 0; i <= cells; ++i) {
                 TraceVertex(raw, i, j);
-                if (j > cells / 2)
+                if (mirrored && j > cells / 2)
                     MirrorVertex(raw, raw.grid.Vertex(i, j), raw.grid.Vertex(i, cells - j));
             }
         }
@@ -147,10 +156,10 @@ class Builder {
         raw.smallest_rim.assign(vertices, 0.0F);
         for (std::size_t k = 0; k < lists_.size(); ++k) {
             RawNode node;
-            node.sensor.assign(vertices * 2, 0.0F);
+            node.exit.assign(vertices * 4, 0.0F);
             node.stops.assign(vertices * 2 * static_cast<std::size_t>(mesh_.stop_crossings), 0.0F);
             node.rims.assign(vertices * steps, 0.0F);
-            node.rare_cos2.assign(vertices * steps, 0.0F);
+            node.passage.assign(vertices * PassageCount(), 0.0F);
             raw.nodes.push_back(std::move(node));
         }
     }
@@ -184,8 +193,14 @@ class Builder {
 
     void Store(RawNode& node, const InteractionList& list, std::size_t vertex,
                const TraceResult& result) const {
-        node.sensor[vertex * 2] = static_cast<float>(result.sensor_mm.x);
-        node.sensor[vertex * 2 + 1] = static_cast<float>(result.sensor_mm.y);
+        const Vec3d& d = result.exit_direction;
+        const double slope_x = d.x / d.z;
+        const double slope_y = d.y / d.z;
+        float* const exit = &node.exit[vertex * 4];
+        exit[0] = static_cast<float>(result.sensor_mm.x);
+        exit[1] = static_cast<float>(result.sensor_mm.y);
+        exit[2] = static_cast<float>(slope_x);
+        exit[3] = static_cast<float>(slope_y);
         for (std::size_t c = 0; c < record_.stop_mm.size(); ++c) {
             float* const stop = &node.stops[(vertex * record_.stop_mm.size() + c) * 2];
             stop[0] = static_cast<float>(record_.stop_mm[c].x);
@@ -200,7 +215,11 @@ class Builder {
                 eta <= 1.0 ? cos_in * cos_in : 1.0 - eta * eta * (1.0 - cos_in * cos_in);
             const double r2 = record_.rim_ratio2[s];
             node.rims[vertex * steps + s] = static_cast<float>((r2 - 1.0) / (r2 + 1.0));
-            node.rare_cos2[vertex * steps + s] = static_cast<float>(rare);
+            node.passage[vertex * PassageCount() + s] = static_cast<float>(rare);
+        }
+        for (std::size_t a = 0; a < mesh_.absorbing.size(); ++a) {
+            node.passage[vertex * PassageCount() + steps + a] = static_cast<float>(
+                record_.segment_mm[static_cast<std::size_t>(mesh_.absorbing[a])]);
         }
     }
 
@@ -210,19 +229,30 @@ class Builder {
         const auto steps = static_cast<std::size_t>(mesh_.interactions);
         const auto crossings = static_cast<std::size_t>(mesh_.stop_crossings);
         for (RawNode& node : raw.nodes) {
-            node.sensor[to * 2] = node.sensor[from * 2];
-            node.sensor[to * 2 + 1] = -node.sensor[from * 2 + 1];
+            for (std::size_t pair = 0; pair < 2; ++pair) {
+                MirrorPair(&node.exit[from * 4 + 2 * pair], &node.exit[to * 4 + 2 * pair]);
+            }
             for (std::size_t c = 0; c < crossings; ++c) {
-                node.stops[(to * crossings + c) * 2] = node.stops[(from * crossings + c) * 2];
-                node.stops[(to * crossings + c) * 2 + 1] =
-                    -node.stops[(from * crossings + c) * 2 + 1];
+                MirrorPair(&node.stops[(from * crossings + c) * 2],
+                           &node.stops[(to * crossings + c) * 2]);
             }
-            for (std::size_t s = 0; s < steps; ++s) {
-                node.rims[to * steps + s] = node.rims[from * steps + s];
-                node.rare_cos2[to * steps + s] = node.rare_cos2[from * steps + s];
-            }
+            const auto copy = [&](std::vector<float>& values, std::size_t stride) {
+                std::copy_n(&values[from * stride], stride, &values[to * stride]);
+            };
+            copy(node.rims, steps);
+            copy(node.passage, PassageCount());
         }
     }
+
+    // Mirrors x, y in the plane of light and axis: the x-z plane or, for an anamorphic lens lit
+    // from there, the y-z plane.
+    void MirrorPair(const float* from, float* to) const {
+        const bool in_y = spec_.azimuth_rad != 0.0;
+        to[0] = in_y ? -from[0] : from[0];
+        to[1] = in_y ? from[1] : -from[1];
+    }
+
+    std::size_t PassageCount() const { return static_cast<std::size_t>(mesh_.passage_count()); }
 
     // Decides the use of each main cell and adds a patch where a cell that may pass has a dead
     // corner.
@@ -291,11 +321,17 @@ class Builder {
         return false;
     }
 
-    // Predicts a vertex from two neighbours on each side along one direction. The miss is h^4
-    // f''''/6; a cubic through the vertices is wrong by at most 3/128 h^4 f'''' between them, 0.14
+    // Predicts the middle one of five values from two neighbours on each side. The miss is h^4
+    // f''''/6; a cubic through the values is wrong by at most 3/128 h^4 f'''' between them, 0.14
     // times that.
-    bool Rough(const RawGrid& raw, int i, int j, int di, int dj) const {
+    template <class Field>
+    static double Miss(Field f) {
         constexpr double kShare = 0.14;
+        return kShare * std::abs(f(2) - (4.0 * (f(1) + f(3)) - f(0) - f(4)) / 6.0);
+    }
+
+    // At a vertex, along one direction.
+    bool Rough(const RawGrid& raw, int i, int j, int di, int dj) const {
         const int n = spec_.cells;
         if (i - 2 * di < 0 || j - 2 * dj < 0 || i + 2 * di > n || j + 2 * dj > n) return false;
         std::array<std::size_t, 5> v{};
@@ -309,13 +345,17 @@ class Builder {
             return false;
         const RawNode& node = raw.nodes[raw.nodes.size() / 2];
         const auto miss = [&](const std::vector<float>& field, std::size_t stride, std::size_t at) {
-            const auto f = [&](std::size_t k) {
-                return static_cast<double>(field[v[k] * stride + at]);
-            };
-            return kShare * std::abs(f(2) - (4.0 * (f(1) + f(3)) - f(0) - f(4)) / 6.0);
+            return Miss(
+                [&](std::size_t k) { return static_cast<double>(field[v[k] * stride + at]); });
         };
+        // On the sensor where it stands at infinity, so that the mesh is the same for every focus.
         for (const std::size_t axis : {0U, 1U}) {
-            if (miss(node.sensor, 2, axis) > spec_.position_tolerance_mm) return true;
+            const auto place = [&](std::size_t k) {
+                const float* const exit = &node.exit[v[k] * 4];
+                return static_cast<double>(exit[axis]) +
+                       sensor_gap_mm_ * static_cast<double>(exit[axis + 2]);
+            };
+            if (Miss(place) > spec_.position_tolerance_mm) return true;
         }
         const auto stop_values = 2 * static_cast<std::size_t>(mesh_.stop_crossings);
         for (std::size_t s = 0; s < stop_values; ++s) {
@@ -333,7 +373,7 @@ class Builder {
         // linearly.
         for (std::size_t s = 0; s < steps; ++s) {
             const auto c2 = [&](std::size_t k) {
-                return static_cast<double>(node.rare_cos2[v[k] * steps + s]);
+                return static_cast<double>(node.passage[v[k] * PassageCount() + s]);
             };
             if (std::abs(c2(2)) < kNearCritical &&
                 std::abs(c2(1) - 2.0 * c2(2) + c2(3)) > spec_.cosine_tolerance * 8.0) {
@@ -394,7 +434,7 @@ class Builder {
     MeshGrid Pack(RawGrid&& raw) const {
         MeshGrid grid = std::move(raw.grid);
         const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        const auto fields = static_cast<std::size_t>(mesh_.field_count());
+        const auto fields = static_cast<std::size_t>(mesh_.stored_count());
         const auto stop_values = 2 * static_cast<std::size_t>(mesh_.stop_crossings);
         const std::size_t vertices = raw.state.size();
         grid.alive.resize(vertices);
@@ -407,15 +447,17 @@ class Builder {
             node.fields.resize(vertices * fields);
             for (std::size_t v = 0; v < vertices; ++v) {
                 float* out = &node.fields[v * fields];
-                *out++ = from.sensor[v * 2];
-                *out++ = from.sensor[v * 2 + 1];
+                *out++ = from.exit[v * 4];
+                *out++ = from.exit[v * 4 + 1];
                 for (std::size_t s = 0; s < stop_values; ++s)
                     *out++ = from.stops[v * stop_values + s];
                 for (const int rim : mesh_.rims) {
                     *out++ = from.rims[v * steps + static_cast<std::size_t>(rim)];
                 }
+                *out++ = from.exit[v * 4 + 2];
+                *out++ = from.exit[v * 4 + 3];
             }
-            node.rare_cos2 = std::move(from.rare_cos2);
+            node.passage = std::move(from.passage);
             grid.nodes.push_back(std::move(node));
         }
         return grid;
@@ -425,6 +467,7 @@ class Builder {
     LightBundle bundle_;
     std::vector<InteractionList> lists_;
     double stop_semi_diameter_mm_ = 0.0;
+    double sensor_gap_mm_;
     RayRecord record_;
     GhostMesh mesh_;
 };
@@ -436,7 +479,11 @@ Fingerprint MeshKey(const Lens& lens, const MeshSpec& spec) {
     hash.Add("ghost mesh").Add(kTracerVersion).Add(lens.geometry_fingerprint());
     hash.Add(static_cast<int>(spec.sequence.size()));
     for (const int surface : spec.sequence) hash.Add(surface);
-    hash.Add(spec.field_rad).Add(spec.inverse_distance);
+    hash.Add(spec.field_rad).Add(spec.azimuth_rad).Add(spec.inverse_distance);
+    const bool at_sensor = std::find(spec.sequence.begin(), spec.sequence.end(),
+                                     lens.sensor_index()) != spec.sequence.end();
+    hash.Add(at_sensor ? lens.sensor_z_mm() : 0.0);
+    hash.Add(at_sensor ? lens.sensor()->semi_diameter_mm : 0.0);
     hash.Add(static_cast<int>(spec.wavelengths_nm.size()));
     for (const double wavelength : spec.wavelengths_nm) hash.Add(wavelength);
     hash.Add(spec.cells).Add(spec.patch_cells);

@@ -14,6 +14,7 @@ namespace flare {
 struct MeshSpec {
     BounceSequence sequence;
     double field_rad = 0.0;
+    double azimuth_rad = 0.0;            // of the canonical light (CanonicalPose)
     double inverse_distance = 0.0;       // 1/mm
     std::vector<double> wavelengths_nm;  // traced; other wavelengths are interpolated between them
     int cells = 32;                      // of the grid along each side of the pass region
@@ -24,7 +25,8 @@ struct MeshSpec {
     double cosine_tolerance = 0.001;       // of a squared cosine near the critical angle
 };
 
-// Names the mesh of `spec` for `lens`: shape, glass and rims, not coatings.
+// Names the mesh of `spec` for `lens`: shape, glass and rims, not coatings; the sensor's place only
+// if the sequence reflects there.
 Fingerprint MeshKey(const Lens& lens, const MeshSpec& spec);
 
 GhostMesh BuildMesh(const Lens& lens, const MeshSpec& spec);

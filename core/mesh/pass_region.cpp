@@ -20,7 +20,7 @@ namespace flare {
 namespace {
 
 constexpr int kCellsU = 32;
-constexpr int kCellsV = 16;  // the half v >= 0; the other half is its mirror image
+constexpr int kCellsHalf = 16;  // over v >= 0, where the other half is its mirror image
 constexpr int kMaxZooms = 8;
 constexpr int kMaxFollows = 24;
 constexpr int kFew = 9;  // passing corners of a grid that show a region's outline; fewer do not
@@ -34,9 +34,13 @@ struct Corner {
 class Search {
   public:
     Search(const InteractionList& list, const LightBundle& bundle, PassRegion& tally)
-        : list_(list), bundle_(bundle), tally_(tally) {}
+        : list_(list),
+          bundle_(bundle),
+          tally_(tally),
+          cells_v_(bundle.mirror_symmetric() ? kCellsHalf : 2 * kCellsHalf) {}
 
-    // The box of all cells that may pass, within `area`; its v starts at 0 as the result's does.
+    // The box of all cells that may pass, within `area`; where the bundle is symmetric in v both
+    // start at v = 0.
     std::optional<Rect> Run(Rect area) {
         for (int zoom = 0; zoom < kMaxZooms; ++zoom) {
             TraceCorners(area);
@@ -86,14 +90,14 @@ class Search {
     }
 
     void TraceCorners(const Rect& area) {
-        corners_.assign((kCellsU + 1) * (kCellsV + 1), {});
+        corners_.assign(static_cast<std::size_t>((kCellsU + 1) * (cells_v_ + 1)), {});
         TraceOptions options;
         options.clip = false;
         options.record_points = true;
-        for (int j = 0; j <= kCellsV; ++j) {
+        for (int j = 0; j <= cells_v_; ++j) {
             for (int i = 0; i <= kCellsU; ++i) {
                 const double u = area.u0 + (area.u1 - area.u0) * i / kCellsU;
-                const double v = area.v0 + (area.v1 - area.v0) * j / kCellsV;
+                const double v = area.v0 + (area.v1 - area.v0) * j / cells_v_;
                 const TraceResult result = TraceRay(list_, bundle_.At(u, v), options, &record_);
                 Corner& corner = At(i, j);
                 for (const Vec3d& p : record_.points) corner.hits.emplace_back(p.x, p.y);
@@ -116,29 +120,31 @@ class Search {
     // The box of the chosen corners, `margin` cells wider on each side. There must be one.
     template <class Chosen>
     Rect BoxOf(const Rect& area, int margin, Chosen chosen) {
-        int i0 = kCellsU, i1 = 0, j1 = 0;
-        for (int j = 0; j <= kCellsV; ++j) {
+        int i0 = kCellsU, i1 = 0, j0 = cells_v_, j1 = 0;
+        for (int j = 0; j <= cells_v_; ++j) {
             for (int i = 0; i <= kCellsU; ++i) {
                 if (!chosen(i, j)) continue;
                 i0 = std::min(i0, i);
                 i1 = std::max(i1, i);
+                j0 = std::min(j0, j);
                 j1 = std::max(j1, j);
             }
         }
         const double du = (area.u1 - area.u0) / kCellsU;
-        const double dv = (area.v1 - area.v0) / kCellsV;
-        // The half plane's rectangle always starts at v = 0: the region is symmetric and the grid
-        // covers both halves.
+        const double dv = (area.v1 - area.v0) / cells_v_;
+        // A half plane's rectangle always starts at v = 0: the grid covers both halves.
+        const double v0 =
+            bundle_.mirror_symmetric() ? 0.0 : area.v0 + dv * std::max(0, j0 - margin);
         return Rect{area.u0 + du * std::max(0, i0 - margin),
-                    area.u0 + du * std::min(kCellsU, i1 + margin), 0.0,
-                    area.v0 + dv * std::min(kCellsV, j1 + margin)};
+                    area.u0 + du * std::min(kCellsU, i1 + margin), v0,
+                    area.v0 + dv * std::min(cells_v_, j1 + margin)};
     }
 
     // The box of the cells that may pass, one cell wider on each side.
     std::optional<Rect> KeptCells(const Rect& area) {
         std::vector<std::uint8_t> kept(corners_.size());
         bool any = false;
-        for (int j = 0; j < kCellsV; ++j) {
+        for (int j = 0; j < cells_v_; ++j) {
             for (int i = 0; i < kCellsU; ++i) {
                 if (!MayPass(i, j)) continue;
                 any = true;
@@ -193,14 +199,17 @@ class Search {
     const InteractionList& list_;
     const LightBundle& bundle_;
     PassRegion& tally_;
+    int cells_v_;
     std::vector<Corner> corners_;
     RayRecord record_;
 };
 
-std::optional<Rect> HalfRegion(const InteractionList& list, const LightBundle& bundle,
-                               PassRegion& tally) {
+// For v >= 0 only where the bundle is symmetric.
+std::optional<Rect> SearchRegion(const InteractionList& list, const LightBundle& bundle,
+                                 PassRegion& tally) {
     const double half = bundle.half_width();
-    const Rect whole{bundle.centre_u() - half, bundle.centre_u() + half, 0.0, half};
+    const Rect whole{bundle.centre_u() - half, bundle.centre_u() + half,
+                     bundle.mirror_symmetric() ? 0.0 : -half, half};
     Search search(list, bundle, tally);
     const std::optional<Rect> found = search.Run(whole);
     if (!found || !search.stalled()) return found;
@@ -211,9 +220,10 @@ std::optional<Rect> HalfRegion(const InteractionList& list, const LightBundle& b
 
 PassRegion FindPassRegion(const std::vector<InteractionList>& lists, const LightBundle& bundle) {
     PassRegion region;
-    const std::optional<Rect> half = HalfRegion(lists[lists.size() / 2], bundle, region);
-    if (!half) return region;
-    region.rect = Rect{half->u0, half->u1, -half->v1, half->v1};
+    const std::optional<Rect> found = SearchRegion(lists[lists.size() / 2], bundle, region);
+    if (!found) return region;
+    region.rect = found;
+    if (bundle.mirror_symmetric()) region.rect->v0 = -found->v1;
     if (lists.size() > 1) {
         // Dispersion moves the region's edges by a little.
         constexpr double kWiden = 0.04;

@@ -18,8 +18,9 @@ struct Rect {
 };
 
 struct PassRegion {
-    std::optional<Rect> rect;  // empty: no ray passes; symmetric in v
-    std::uint64_t rays = 0;    // traced to find it
+    // Empty: no ray passes. Symmetric in v if the bundle is.
+    std::optional<Rect> rect;
+    std::uint64_t rays = 0;  // traced to find it
     std::uint64_t ray_surfaces = 0;
 };
 

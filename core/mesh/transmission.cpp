@@ -27,10 +27,24 @@ double TransmissionTables::Table::At(double c) const {
     return Cubic(values, c * static_cast<double>(values.size() - 1));
 }
 
+std::vector<int> AbsorbingSteps(const Lens& lens, const BounceSequence& sequence) {
+    std::vector<int> absorbing;
+    const InteractionList list = WriteOut(lens, sequence, kLineD);
+    for (std::size_t i = 0; i < list.steps.size(); ++i) {
+        const Interaction& step = list.steps[i];
+        if (step.surface == lens.sensor_index()) continue;
+        const Glass& medium =
+            step.forward ? lens.MediumBefore(step.surface) : lens.MediumBehind(step.surface);
+        if (medium.absorbs()) absorbing.push_back(static_cast<int>(i));
+    }
+    return absorbing;
+}
+
 TransmissionTables::TransmissionTables(const Lens& lens, std::vector<double> wavelengths_nm,
                                        ThreadPool& threads)
     : wavelengths_nm_(std::move(wavelengths_nm)) {
     for (const LensSurface& surface : lens.surfaces()) coatings_.push_back(surface.coating);
+    if (lens.sensor()) sensor_reflectance_ = lens.sensor()->reflectance;
     const std::size_t bands = wavelengths_nm_.size();
     tables_.resize(coatings_.size() * bands * kQuantities);
     threads.For(static_cast<int>(coatings_.size() * bands), [&](int item) {
@@ -89,6 +103,7 @@ const TransmissionTables::Table& TransmissionTables::TableOf(int surface, int ba
 }
 
 double TransmissionTables::StepFactor(const Interaction& step, int band, double rare_cos2) const {
+    if (static_cast<std::size_t>(step.surface) == coatings_.size()) return sensor_reflectance_;
     const bool from_rare = step.n_in <= step.n_out;
     const bool reflects = step.kind == InteractionKind::kReflect;
     const double c = std::sqrt(std::clamp(rare_cos2, 0.0, 1.0));
@@ -116,20 +131,26 @@ TransmissionTables::Path TransmissionTables::PathOf(const Lens& lens,
                                                     const BounceSequence& sequence) const {
     Path path;
     path.tables_ = this;
+    path.absorbing_ = AbsorbingSteps(lens, sequence);
     for (const double wavelength : wavelengths_nm_) {
         path.lists_.push_back(WriteOut(lens, sequence, wavelength));
     }
     return path;
 }
 
-double TransmissionTables::Path::Weight(int band, std::span<const double> rare_cos2) const {
+double TransmissionTables::Path::Weight(int band, std::span<const double> passage) const {
     const InteractionList& list = lists_[static_cast<std::size_t>(band)];
     double weight = 1.0;
     for (std::size_t s = 0; s < list.steps.size(); ++s) {
         if (list.steps[s].kind == InteractionKind::kStop) continue;
-        weight *= tables_->StepFactor(list.steps[s], band, rare_cos2[s]);
+        weight *= tables_->StepFactor(list.steps[s], band, passage[s]);
     }
-    return weight;
+    double absorbed = 0.0;
+    for (std::size_t a = 0; a < absorbing_.size(); ++a) {
+        const Interaction& step = list.steps[static_cast<std::size_t>(absorbing_[a])];
+        absorbed += step.absorption_per_mm * passage[list.steps.size() + a];
+    }
+    return absorbed == 0.0 ? weight : weight * std::exp(-absorbed);
 }
 
 }  // namespace flare

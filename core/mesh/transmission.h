@@ -3,7 +3,9 @@
 // The product of unpolarised reflectances and transmittances along a ghost's path, at any
 // wavelength, from the cosines that the mesh keeps. For each interaction the mesh has c^2, the
 // squared cosine of the ray in the *rarer* of the two media: R and T are smooth functions of c all
-// the way to the critical angle (c = 0), and c^2 < 0 is total internal reflection.
+// the way to the critical angle (c = 0), and c^2 < 0 is total internal reflection. After these come
+// the ways in mm through absorbing glass, one for each of AbsorbingSteps: together the ray's
+// passage.
 //
 // Coated surfaces are tabulated over c, each table refined until a cubic through its points is
 // within 1e-7 of the characteristic matrix at every midpoint; where a table would need more than
@@ -20,6 +22,9 @@
 
 namespace flare {
 
+// The interactions of `sequence` that light reaches through glass with known absorption.
+std::vector<int> AbsorbingSteps(const Lens& lens, const BounceSequence& sequence);
+
 class TransmissionTables {
   public:
     TransmissionTables(const Lens& lens, std::vector<double> wavelengths_nm, ThreadPool& threads);
@@ -27,13 +32,14 @@ class TransmissionTables {
     // Everything that `sequence` needs, written out for every wavelength.
     class Path {
       public:
-        // The product at wavelength number `band`; rare_cos2 has one entry an interaction.
-        double Weight(int band, std::span<const double> rare_cos2) const;
+        // The product at wavelength number `band` for a ray's passage.
+        double Weight(int band, std::span<const double> passage) const;
 
       private:
         friend class TransmissionTables;
         const TransmissionTables* tables_ = nullptr;
         std::vector<InteractionList> lists_;
+        std::vector<int> absorbing_;
     };
     Path PathOf(const Lens& lens, const BounceSequence& sequence) const;
 
@@ -53,7 +59,8 @@ class TransmissionTables {
 
     std::vector<double> wavelengths_nm_;
     std::vector<Coating> coatings_;  // by surface
-    std::vector<Table> tables_;      // [surface][band][quantity]
+    double sensor_reflectance_ = 0.0;
+    std::vector<Table> tables_;  // [surface][band][quantity]
 };
 
 }  // namespace flare

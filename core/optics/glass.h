@@ -22,6 +22,8 @@ class Glass {
     double Index(double wavelength_nm) const {
         return a_ + b_nm2_ / (wavelength_nm * wavelength_nm);
     }
+    double AbsorptionPerMm(double /*wavelength_nm*/) const { return 0.0; }
+    bool absorbs() const { return false; }
     double nd() const { return Index(kLineD); }
     bool is_air() const { return a_ == 1.0 && b_nm2_ == 0.0; }
     double cauchy_a() const { return a_; }

@@ -5,6 +5,7 @@
 // Lens that exists has finite vertices, one stop, a sensor behind the last vertex and a pupil.
 #include "core/optics/lens.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -38,16 +39,16 @@ Coating CoatingFor(const Prescription& prescription, const SurfacePrescription& 
 
 std::vector<LensSurface> LayOut(const Prescription& prescription) {
     std::vector<LensSurface> surfaces;
-    surfaces.reserve(prescription.surfaces.size());
+    const std::size_t count = prescription.optical_count();
+    surfaces.reserve(count);
     double z = 0.0;
     Glass before = Glass::Air();
-    for (const SurfacePrescription& from : prescription.surfaces) {
+    for (std::size_t i = 0; i < count; ++i) {
+        const SurfacePrescription& from = prescription.surfaces[i];
         LensSurface to;
         to.kind = from.kind;
-        if (to.kind == SurfaceKind::kSphere) {
-            to.curvature = from.radius_mm == 0.0 ? 0.0 : 1.0 / from.radius_mm;
-            if (to.curvature == 0.0) to.kind = SurfaceKind::kPlane;
-        }
+        to.shape = ShapeOf(from);
+        if (to.kind == SurfaceKind::kSphere && to.shape.flat()) to.kind = SurfaceKind::kPlane;
         to.vertex_z_mm = z;
         to.semi_diameter_mm = from.semi_diameter_mm;
         if (from.nd.has_value()) to.behind = Glass::FromNdVd(*from.nd, from.vd);
@@ -66,26 +67,26 @@ bool Finite(const Abcd& m) {
 
 // EFL, BFL, pupils and f-number of a lens whose surfaces and stop stand; the sensor may still be
 // unplaced.
-FirstOrder FirstOrderOf(const Lens& lens) {
+FirstOrder FirstOrderOf(const Lens& lens, Section section) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const std::vector<LensSurface>& surfaces = lens.surfaces();
     const double stop_diameter =
         2.0 * surfaces[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm;
 
     FirstOrder out;
-    const Abcd whole = FrontToBack(lens, kLineD);
+    const Abcd whole = FrontToBack(lens, kLineD, section);
     const bool afocal = std::abs(whole.c) < kAfocalPower;
     out.efl_mm = afocal ? kInfinity : -1.0 / whole.c;
     out.bfl_mm = afocal ? kInfinity : -whole.a / whole.c;
 
     // The entrance pupil is where a ray through the middle of the stop seems to cross the axis.
-    const Abcd front = FrontToSurface(lens, lens.stop_index(), kLineD);
+    const Abcd front = FrontToSurface(lens, lens.stop_index(), kLineD, section);
     out.stop_a1 = front.a;
     out.entrance.z_mm = front.b / front.a;
     out.entrance.diameter_mm = stop_diameter / std::abs(front.a);
     out.f_number = std::abs(out.efl_mm) / out.entrance.diameter_mm;
 
-    const Abcd rear = StopToBack(lens, kLineD);
+    const Abcd rear = StopToBack(lens, kLineD, section);
     const double last_z = surfaces.back().vertex_z_mm;
     const bool telecentric = std::abs(rear.d) < 1e-12;
     out.exit.z_mm = telecentric ? -kInfinity : last_z - rear.b / rear.d;
@@ -93,6 +94,32 @@ FirstOrder FirstOrderOf(const Lens& lens) {
         telecentric ? kInfinity : stop_diameter * std::abs(rear.determinant() / rear.d);
     out.pupil_magnification = out.exit.diameter_mm / out.entrance.diameter_mm;
     return out;
+}
+
+// Where the file says, else at the paraxial focus, midway between the two sections' in an
+// anamorphic lens; and moved by the focus.
+Result<double> SensorGap(const Prescription& prescription, const Lens& lens) {
+    const SurfacePrescription& last = prescription.surfaces[prescription.optical_count() - 1];
+    const double focus =
+        0.5 * (lens.first_order(Section::kX).bfl_mm + lens.first_order(Section::kY).bfl_mm);
+    if (!last.gap_given && !std::isfinite(focus)) {
+        return BadLens(
+            "the lens has no power (afocal), so it needs the distance of the sensor: "
+            "gap_mm of the last surface",
+            last.where);
+    }
+    const double gap = (last.gap_given ? last.gap_mm : focus) + prescription.focus_shift_mm;
+    if (!(gap >= kMinLengthMm)) {
+        return BadLens("the paraxial focus lies " + NumberText(-gap) +
+                           " mm in front of the last vertex: no sensor can stand there",
+                       last.where);
+    }
+    if (gap > kMaxGapMm) {
+        return BadLens("the paraxial focus lies " + NumberText(gap) +
+                           " mm behind the last vertex: give gap_mm of the last surface",
+                       last.where);
+    }
+    return gap;
 }
 
 }  // namespace
@@ -107,45 +134,52 @@ Result<std::shared_ptr<const Lens>> Lens::Build(const Prescription& prescription
     while (!lens->surfaces_[static_cast<std::size_t>(lens->stop_index_)].is_stop()) {
         ++lens->stop_index_;
     }
-    if (!Finite(FrontToBack(*lens, kLineD)) || !Finite(StopToBack(*lens, kLineD))) {
-        return BadLens("the numbers of the lens overflow: its focal length cannot be computed");
-    }
+    lens->rotational_ =
+        std::all_of(lens->surfaces_.begin(), lens->surfaces_.end(),
+                    [](const LensSurface& surface) { return surface.shape.rotational(); });
     const std::string& stop_where =
         prescription.surfaces[static_cast<std::size_t>(lens->stop_index_)].where;
-    if (std::abs(FrontToSurface(*lens, lens->stop_index_, kLineD).a) < kMinStopA1) {
-        return BadLens(
-            "the stop lies at a focus of the elements in front of it, so it limits no "
-            "beam from infinity and the lens has no f-number",
-            stop_where);
+    for (const Section section : {Section::kX, Section::kY}) {
+        if (!Finite(FrontToBack(*lens, kLineD, section)) ||
+            !Finite(StopToBack(*lens, kLineD, section))) {
+            return BadLens("the numbers of the lens overflow: its focal length cannot be computed");
+        }
+        const Abcd front = FrontToSurface(*lens, lens->stop_index_, kLineD, section);
+        if (std::abs(front.a) < kMinStopA1) {
+            return BadLens(
+                "the stop lies at a focus of the elements in front of it, so it limits no "
+                "beam from infinity and the lens has no f-number",
+                stop_where);
+        }
+        lens->first_order_[section == Section::kX ? 0 : 1] = FirstOrderOf(*lens, section);
     }
-    lens->first_order_ = FirstOrderOf(*lens);
 
-    // Place the sensor: where the file says, else at the paraxial focus.
-    const SurfacePrescription& last = prescription.surfaces.back();
-    const double sensor_gap = last.gap_given ? last.gap_mm : lens->first_order_.bfl_mm;
-    if (!last.gap_given && std::isinf(sensor_gap)) {
-        return BadLens(
-            "the lens has no power (afocal), so it needs the distance of the sensor: "
-            "gap_mm of the last surface",
-            last.where);
+    const Result<double> sensor_gap = SensorGap(prescription, *lens);
+    if (!sensor_gap) return sensor_gap.error();
+    lens->sensor_z_mm_ = lens->surfaces_.back().vertex_z_mm + *sensor_gap;
+    if (prescription.surfaces.back().kind == SurfaceKind::kSensor) {
+        const SurfacePrescription& sensor = prescription.surfaces.back();
+        lens->sensor_ = LensSensor{sensor.reflectance, sensor.semi_diameter_mm};
     }
-    if (!(sensor_gap >= kMinLengthMm)) {
-        return BadLens("the paraxial focus lies " + NumberText(-sensor_gap) +
-                           " mm in front of the last vertex: no sensor can stand there",
-                       last.where);
-    }
-    if (sensor_gap > kMaxGapMm) {
-        return BadLens("the paraxial focus lies " + NumberText(sensor_gap) +
-                           " mm behind the last vertex: give gap_mm of the last surface",
-                       last.where);
-    }
-    lens->sensor_z_mm_ = lens->surfaces_.back().vertex_z_mm + sensor_gap;
 
-    const Abcd rear = StopToBack(*lens, kLineD);
-    lens->first_order_.projection_distance_mm = std::abs(
-        (sensor_gap * rear.d + rear.b) / (rear.determinant() * lens->first_order_.stop_a1));
+    for (const Section section : {Section::kX, Section::kY}) {
+        const Abcd rear = StopToBack(*lens, kLineD, section);
+        FirstOrder& first_order = lens->first_order_[section == Section::kX ? 0 : 1];
+        first_order.projection_distance_mm =
+            std::abs((*sensor_gap * rear.d + rear.b) / (rear.determinant() * first_order.stop_a1));
+    }
     lens->Seal();
     return std::shared_ptr<const Lens>(std::move(lens));
+}
+
+double Lens::sensor_gap_mm() const {
+    return sensor_z_mm_ - surfaces_.back().vertex_z_mm;
+}
+
+double Lens::f_number() const {
+    // Not the root of a square where both sections are one: the same number to the last bit.
+    if (rotational_) return first_order_[1].f_number;
+    return std::sqrt(first_order_[0].f_number * first_order_[1].f_number);
 }
 
 std::shared_ptr<const Lens> Lens::WithBareGlass() const {
@@ -169,17 +203,22 @@ const Glass& Lens::MediumBehind(int index) const {
 
 void Lens::Seal() {
     Fingerprinter geometry;
-    geometry.Add("lens geometry 1").Add(static_cast<std::int64_t>(surfaces_.size()));
-    geometry.Add(stop_index_).Add(sensor_z_mm_);
+    geometry.Add("lens geometry 2").Add(static_cast<std::int64_t>(surfaces_.size()));
+    geometry.Add(stop_index_).Add(nominal_sensor_gap_mm());
     for (const LensSurface& surface : surfaces_) {
-        geometry.Add(static_cast<int>(surface.kind)).Add(surface.curvature);
+        geometry.Add(surface.is_stop() ? 1 : 0).Add(static_cast<int>(surface.shape.form()));
+        geometry.Add(surface.shape.curvature_x()).Add(surface.shape.curvature_y());
+        geometry.Add(surface.shape.conic());
+        for (const double a : surface.shape.coefficients()) geometry.Add(a);
         geometry.Add(surface.vertex_z_mm).Add(surface.semi_diameter_mm);
         geometry.Add(surface.behind.cauchy_a()).Add(surface.behind.cauchy_b_nm2());
     }
     geometry_fingerprint_ = geometry.value();
 
     Fingerprinter whole;
-    whole.Add("lens 1").Add(geometry_fingerprint_);
+    whole.Add("lens 2").Add(geometry_fingerprint_).Add(sensor_z_mm_);
+    whole.Add(sensor_ ? sensor_->reflectance : -1.0);
+    whole.Add(sensor_ ? sensor_->semi_diameter_mm : 0.0);
     for (const LensSurface& surface : surfaces_) {
         whole.Add(static_cast<std::int64_t>(surface.coating.layers.size()));
         for (const CoatingLayer& layer : surface.coating.layers) {

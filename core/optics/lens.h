@@ -4,7 +4,9 @@
 // lens space and its first-order (paraxial) data at the d line. Cheap to share between threads.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,12 +15,13 @@
 #include "core/optics/coating.h"
 #include "core/optics/glass.h"
 #include "core/optics/prescription.h"
+#include "core/optics/surface_shape.h"
 
 namespace flare {
 
 struct LensSurface {
     SurfaceKind kind = SurfaceKind::kSphere;
-    double curvature = 0.0;  // 1 / radius, 1/mm; 0: plane and stop
+    SurfaceShape shape;
     double vertex_z_mm = 0.0;
     double semi_diameter_mm = 0.0;
     Glass behind = Glass::Air();  // the medium behind; in front of surface 0 there is air
@@ -35,7 +38,13 @@ struct Pupil {
     double diameter_mm = 0.0;  // limited by the stop alone, wide open
 };
 
-// First-order data at 587.5618 nm, light from infinity.
+// The sensor as a mirror, where the lens file has one.
+struct LensSensor {
+    double reflectance = 0.0;  // at any angle and wavelength
+    double semi_diameter_mm = 0.0;
+};
+
+// First-order data of one section at 587.5618 nm, light from infinity.
 struct FirstOrder {
     double efl_mm = 0.0;    // infinite for an afocal lens, and then the next two as well
     double bfl_mm = 0.0;    // last vertex to paraxial focus
@@ -50,7 +59,9 @@ struct FirstOrder {
 
 class Lens {
   public:
-    // Fails with code "bad_lens" (and the surface's place) where a lens cannot be traced: no glass,
+    // The lens as its surfaces stand in the prescription: at infinity (or focus_shift_mm from it)
+    // and in the first zoom position; LensInState (lens_state.h) gives the others. Fails with code
+    // "bad_lens" (and the surface's place) where a lens cannot be traced: no glass,
     // none or several stops (a later capability), semi-diameter above the radius, sensor in
     // front of the last vertex, zero power without an explicit sensor distance, ...
     static Result<std::shared_ptr<const Lens>> Build(const Prescription& prescription);
@@ -60,15 +71,38 @@ class Lens {
     const std::vector<LensSurface>& surfaces() const { return surfaces_; }
     int stop_index() const { return stop_index_; }
     double sensor_z_mm() const { return sensor_z_mm_; }
-    const FirstOrder& first_order() const { return first_order_; }
+    // The distance of the sensor from the last vertex; nominal: when focused at infinity.
+    double sensor_gap_mm() const;
+    double nominal_sensor_gap_mm() const { return sensor_gap_mm() - prescription_.focus_shift_mm; }
+    // A mirror in the sensor's place. Bounce sequences know it as surface sensor_index().
+    const std::optional<LensSensor>& sensor() const { return sensor_; }
+    int sensor_index() const { return static_cast<int>(surfaces_.size()); }
+
+    // An anamorphic lens has its own in x and in y. y is the section that such lenses are named by:
+    // as a rule they squeeze the picture in x.
+    const FirstOrder& first_order(Section section = Section::kY) const {
+        return first_order_[section == Section::kX ? 0 : 1];
+    }
+    // Is every surface the same all around the axis?
+    bool rotational() const { return rotational_; }
+    // EFL in y over EFL in x: how much narrower than it is the scene stands on the sensor. 1 for a
+    // rotational lens.
+    double squeeze() const { return first_order_[1].efl_mm / first_order_[0].efl_mm; }
+    // The centre of the entrance pupil, from which directions and distances are measured; between
+    // the two sections' pupils in an anamorphic lens.
+    double pupil_z_mm() const {
+        return 0.5 * (first_order_[0].entrance.z_mm + first_order_[1].entrance.z_mm);
+    }
+    // Wide open; the geometric mean of both sections'.
+    double f_number() const;
 
     // The same lens with every surface bare ("coatings": "none").
     std::shared_ptr<const Lens> WithBareGlass() const;
 
-    // Names everything that bends rays or clips them (shape, glass, rims, sensor), not the
-    // coatings: one traced mesh serves every coating.
+    // Names everything that bends rays or clips them up to the last surface (shape, glass, rims),
+    // not the coatings: one traced mesh serves every coating and every place of the sensor.
     const Fingerprint& geometry_fingerprint() const { return geometry_fingerprint_; }
-    // The above and the coatings.
+    // The above, the coatings, absorption and the sensor.
     const Fingerprint& fingerprint() const { return fingerprint_; }
 
     // Medium in front of / behind surface `index`.
@@ -84,7 +118,9 @@ class Lens {
     std::vector<LensSurface> surfaces_;
     int stop_index_ = 0;
     double sensor_z_mm_ = 0.0;
-    FirstOrder first_order_;
+    std::optional<LensSensor> sensor_;
+    std::array<FirstOrder, 2> first_order_;  // x, y
+    bool rotational_ = true;
     Fingerprint geometry_fingerprint_, fingerprint_;
 };
 

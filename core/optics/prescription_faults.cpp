@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/optics/coating.h"
+#include "core/optics/lens_state.h"
 
 namespace flare {
 
@@ -28,10 +29,12 @@ class FaultFinder {
 
     std::vector<PrescriptionFault> Run() {
         const std::size_t count = prescription_.surfaces.size();
+        const std::size_t optical = prescription_.optical_count();
         for (index_ = 0; index_ < count; ++index_) {
             const SurfacePrescription& surface = prescription_.surfaces[index_];
             CheckShape(surface);
-            CheckGap(surface, index_ + 1 == count);
+            CheckSensor(surface, index_ + 1 == count);
+            if (index_ < optical) CheckGap(surface, index_ + 1 == optical);
             CheckMedium(surface);
             CheckCoating(surface);
         }
@@ -46,26 +49,99 @@ class FaultFinder {
     }
 
     void CheckShape(const SurfacePrescription& surface) {
-        const double radius = surface.radius_mm;
-        const double semi = surface.semi_diameter_mm;
+        const SurfaceKind kind = surface.kind;
+        const bool flat = kind == SurfaceKind::kPlane || kind == SurfaceKind::kStop ||
+                          kind == SurfaceKind::kSensor;
+        const bool toroid = kind == SurfaceKind::kToroid;
+        CheckRadius("radius_mm", surface.radius_mm);
+        CheckRadius("radius_x_mm", surface.radius_x_mm);
+        CheckRadius("radius_y_mm", surface.radius_y_mm);
+        if ((flat || toroid) && surface.radius_mm != 0.0) {
+            Add("radius", "a " + std::string(KindName(kind)) +
+                              (flat ? " is flat" : " has two radii") + ", but radius_mm is " +
+                              NumberText(surface.radius_mm));
+        }
+        if (!toroid && (surface.radius_x_mm != 0.0 || surface.radius_y_mm != 0.0)) {
+            Add("radius", "radius_x_mm and radius_y_mm are for a toroid");
+        }
+        CheckAsphere(surface);
+        CheckSemiDiameter(surface);
+    }
+
+    void CheckRadius(const char* key, double radius) {
         if (std::isnan(radius)) {
-            Add("radius", "the radius is not a number");
-        } else if (surface.kind != SurfaceKind::kSphere && radius != 0.0) {
-            Add("radius", std::string("a ") +
-                              (surface.kind == SurfaceKind::kStop ? "stop" : "plane") +
-                              " is flat, but radius_mm is " + NumberText(radius));
+            Add("radius", std::string(key) + " is not a number");
         } else if (radius != 0.0 && std::abs(radius) < kMinLengthMm) {
             Add("radius", "the radius " + NumberText(radius) + " mm is too small to be one");
         }
+    }
+
+    void CheckAsphere(const SurfacePrescription& surface) {
+        const bool given = surface.conic != 0.0 || !surface.asphere.empty();
+        if (given && surface.kind != SurfaceKind::kAsphere) {
+            Add("asphere", "conic and asphere are for the kind \"asphere\", not for \"" +
+                               std::string(KindName(surface.kind)) + "\"");
+        }
+        if (!(std::abs(surface.conic) <= kMaxConic)) {
+            Add("asphere", "the conic constant " + NumberText(surface.conic) + " is not within +-" +
+                               NumberText(kMaxConic));
+        }
+        if (surface.asphere.size() > SurfaceShape::kMostCoefficients) {
+            Add("asphere",
+                "an asphere has at most " + std::to_string(SurfaceShape::kMostCoefficients) +
+                    " coefficients (a4 ... a18), not " + std::to_string(surface.asphere.size()));
+        }
+        // What counts is what a coefficient does to the sag at the rim.
+        double power = std::pow(surface.semi_diameter_mm, 4.0);
+        for (std::size_t i = 0; i < surface.asphere.size(); ++i) {
+            const double sag = std::abs(surface.asphere[i]) * power;
+            power *= surface.semi_diameter_mm * surface.semi_diameter_mm;
+            if (!(sag <= kMaxAsphericSags * surface.semi_diameter_mm)) {
+                Add("asphere", "a" + std::to_string(2 * i + 4) + " = " +
+                                   NumberText(surface.asphere[i]) + " bends the rim by " +
+                                   NumberText(sag) + " mm: wrong by a power of ten?");
+            }
+        }
+    }
+
+    void CheckSemiDiameter(const SurfacePrescription& surface) {
+        const double semi = surface.semi_diameter_mm;
         if (!(semi >= kMinLengthMm && semi <= kMaxSemiDiameterMm)) {
             Add("semi_diameter", "the semi-diameter " + NumberText(semi) + " mm is not within " +
                                      NumberText(kMinLengthMm) + " .. " +
                                      NumberText(kMaxSemiDiameterMm) + " mm");
-        } else if (surface.kind == SurfaceKind::kSphere && radius != 0.0 &&
-                   semi >= std::abs(radius)) {
-            Add("semi_diameter", "the semi-diameter " + NumberText(semi) +
-                                     " mm is not below the radius " + NumberText(radius) +
-                                     " mm: no sphere is that wide (was a diameter meant?)");
+            return;
+        }
+        if (std::isnan(surface.radius_mm) ||
+            surface.asphere.size() > SurfaceShape::kMostCoefficients)
+            return;
+        const double reach = ShapeOf(surface).reach_mm();
+        if (semi >= reach) {
+            const bool sphere = surface.kind == SurfaceKind::kSphere;
+            Add("semi_diameter",
+                "the semi-diameter " + NumberText(semi) + " mm is not below " +
+                    (sphere ? "the radius " + NumberText(surface.radius_mm) + " mm: no sphere"
+                            : NumberText(reach) + " mm, where the surface stands upright: no " +
+                                  std::string(KindName(surface.kind))) +
+                    " is that wide (was a diameter meant?)");
+        }
+    }
+
+    void CheckSensor(const SurfacePrescription& surface, bool last) {
+        if (surface.kind != SurfaceKind::kSensor) {
+            if (surface.reflectance != 0.0) {
+                Add("sensor", "reflectance is for the kind \"sensor\"");
+            }
+            return;
+        }
+        if (!last) Add("sensor", "a sensor can only be the last surface");
+        if (!(surface.reflectance >= 0.0 && surface.reflectance <= 1.0)) {
+            Add("sensor",
+                "the reflectance " + NumberText(surface.reflectance) + " is not within 0 .. 1");
+        }
+        if (surface.gap_given) Add("sensor", "behind the sensor there is no gap");
+        if (surface.nd.has_value() || surface.coating.has_value()) {
+            Add("sensor", "a sensor has a reflectance, neither glass nor coating");
         }
     }
 
@@ -136,14 +212,22 @@ class FaultFinder {
             !coating) {
             AddWhole("coating", "default_coating: " + coating.error().message);
         }
-        if (surfaces.back().nd.value_or(1.0) != 1.0) {
+        if (prescription_.optical_count() == 0) {
+            AddWhole("no_surface", "the lens has no surface but a sensor");
+            return;
+        }
+        const std::size_t last = prescription_.optical_count() - 1;
+        if (surfaces[last].nd.value_or(1.0) != 1.0) {
             AddWhole("last_medium",
-                     SurfaceLabel(surfaces.size() - 1) +
+                     SurfaceLabel(last) +
                          ": behind the last surface there must be air, not glass of nd " +
-                         NumberText(*surfaces.back().nd),
-                     surfaces.back().where);
+                         NumberText(*surfaces[last].nd),
+                     surfaces[last].where);
         }
         CheckStops();
+        for (const StateFault& fault : FindStateFaults(prescription_)) {
+            AddWhole("states", fault.message, fault.where);
+        }
     }
 
     void CheckStops() {

@@ -5,6 +5,7 @@
 // refuses at the first fault; the lint shows them all.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ inline constexpr double kMaxNd = 4.0;
 // Glasses have V_d between 15 and 100. From 10 up the Cauchy index never falls below 1.
 inline constexpr double kMinVd = 10.0;
 inline constexpr double kMaxVd = 200.0;
+
+inline constexpr std::size_t kMaxStatePositions = 64;  // along one axis
+inline constexpr double kMaxConic = 1e6;
+// The largest part of its semi-diameter that one coefficient may bend a surface's rim.
+inline constexpr double kMaxAsphericSags = 2.0;
 
 struct PrescriptionFault {
     std::string code;     // "gap", "semi_diameter", "index", "no_stop", "several_stops", ...

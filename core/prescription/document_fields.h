@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/document.h"
 #include "core/base/result.h"
@@ -95,6 +96,25 @@ class Fields {
     void Read(const std::string& key, std::optional<double>& out) {
         double value = 0.0;
         if (Read(key, value)) out = value;
+    }
+
+    // An array of finite numbers.
+    bool Read(const std::string& key, std::vector<double>& out) {
+        const DocumentNode* found = Find(key);
+        if (found == nullptr) return false;
+        if (found->array() == nullptr) return FailType(key, "an array of numbers", *found);
+        std::vector<double> values;
+        for (const DocumentNode& item : *found->array()) {
+            if (item.number() == nullptr) return FailType(key, "an array of numbers", item);
+            if (!std::isfinite(*item.number())) {
+                Fail("\"" + key + "\" of " + owner_ + " holds a number that is not finite",
+                     item.where);
+                return false;
+            }
+            values.push_back(*item.number());
+        }
+        out = std::move(values);
+        return true;
     }
 
     void Fail(std::string message, std::string where, std::string code = "bad_lens") {

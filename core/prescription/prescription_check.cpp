@@ -21,11 +21,10 @@ namespace flare {
 
 namespace {
 
-// Sag of a sphere at height r, as z from its vertex. Requires r < |radius|.
-double Sag(double radius_mm, double r) {
-    if (radius_mm == 0.0) return 0.0;
-    const double c = 1.0 / radius_mm;
-    return c * r * r / (1.0 + std::sqrt(1.0 - c * c * r * r));
+// Sag at height r from the axis in a section; beyond the surface's reach that at its edge.
+double Sag(const SurfaceShape& shape, Section section, double r) {
+    const double at = std::min(r, shape.reach_mm() * (1.0 - 1e-9));
+    return section == Section::kX ? shape.Sag(at, 0.0) : shape.Sag(0.0, at);
 }
 
 class Linter {
@@ -82,7 +81,8 @@ class Linter {
 
     void CheckSurfaces() {
         const std::vector<SurfacePrescription>& surfaces = prescription_.surfaces;
-        for (std::size_t i = 0; i < surfaces.size(); ++i) {
+        const std::size_t optical = prescription_.optical_count();
+        for (std::size_t i = 0; i < optical; ++i) {
             const SurfacePrescription& surface = surfaces[i];
             if (surface.nd.value_or(1.0) > 1.0 && !surface.vd.has_value()) {
                 Warn("v_number",
@@ -90,16 +90,14 @@ class Linter {
                          " without vd: it is traced without dispersion",
                      surface.where);
             }
-            const double share = surface.radius_mm == 0.0
-                                     ? 0.0
-                                     : surface.semi_diameter_mm / std::abs(surface.radius_mm);
+            const double share = surface.semi_diameter_mm / ShapeOf(surface).reach_mm();
             if (share > kNearHemisphere) {
                 Warn("semi_diameter",
                      SurfaceLabel(i) + ": the semi-diameter is " + NumberText(100.0 * share) +
-                         " % of the radius, nearly a hemisphere",
+                         " % of where the surface stands upright",
                      surface.where);
             }
-            if (i + 1 < surfaces.size()) CheckPair(i);
+            if (i + 1 < optical) CheckPair(i);
         }
     }
 
@@ -110,13 +108,17 @@ class Linter {
         const SurfacePrescription& back = prescription_.surfaces[i + 1];
         const double shared = std::min(front.semi_diameter_mm, back.semi_diameter_mm);
         constexpr int kSteps = 64;
+        const SurfaceShape front_shape = ShapeOf(front), back_shape = ShapeOf(back);
         double least = front.gap_mm, at = 0.0;
-        for (int step = 1; step <= kSteps; ++step) {
-            const double r = shared * step / kSteps;
-            const double space = front.gap_mm + Sag(back.radius_mm, r) - Sag(front.radius_mm, r);
-            if (space < least) {
-                least = space;
-                at = r;
+        for (const Section section : {Section::kX, Section::kY}) {
+            for (int step = 1; step <= kSteps; ++step) {
+                const double r = shared * step / kSteps;
+                const double space =
+                    front.gap_mm + Sag(back_shape, section, r) - Sag(front_shape, section, r);
+                if (space < least) {
+                    least = space;
+                    at = r;
+                }
             }
         }
         const std::string pair = "surfaces " + std::to_string(i) + " and " + std::to_string(i + 1);
@@ -129,11 +131,11 @@ class Linter {
         }
         if (front.nd.value_or(1.0) == 1.0) return;
         const double wide = std::max(front.semi_diameter_mm, back.semi_diameter_mm);
-        const auto rim_sag = [&](const SurfacePrescription& surface) {
-            const double limit = surface.radius_mm == 0.0 ? wide : std::abs(surface.radius_mm);
-            return Sag(surface.radius_mm, std::min(wide, limit));
-        };
-        const double edge = front.gap_mm + rim_sag(back) - rim_sag(front);
+        double edge = front.gap_mm;
+        for (const Section section : {Section::kX, Section::kY}) {
+            edge = std::min(edge, front.gap_mm + Sag(back_shape, section, wide) -
+                                      Sag(front_shape, section, wide));
+        }
         if (edge < 0.0) {
             Warn("edge_thickness",
                  pair + ": their faces, continued to the wider rim (" + NumberText(wide) +
@@ -156,12 +158,17 @@ class Linter {
     void CheckFigures(const Lens& lens) {
         const FirstOrder& first_order = lens.first_order();
         if (prescription_.design_focal_mm.has_value()) {
-            CheckAgainstDesign("efl", "the focal length in mm", first_order.efl_mm,
-                               *prescription_.design_focal_mm, kEflWarning, kEflError);
+            const double tolerance = prescription_.focal_tolerance.value_or(kEflWarning);
+            CheckAgainstDesign("efl", "the focal length in mm",
+                               lens.first_order(prescription_.design_section).efl_mm,
+                               *prescription_.design_focal_mm, tolerance,
+                               std::max(tolerance, kEflError));
         }
         if (prescription_.design_f_number.has_value()) {
-            CheckAgainstDesign("f_number", "the f-number that the stop gives", first_order.f_number,
-                               *prescription_.design_f_number, kFNumberWarning, kFNumberError);
+            const double tolerance = prescription_.f_number_tolerance.value_or(kFNumberWarning);
+            CheckAgainstDesign("f_number", "the f-number that the stop gives", lens.f_number(),
+                               *prescription_.design_f_number, tolerance,
+                               std::max(tolerance, kFNumberError));
         }
 
         const LensSurface& stop = lens.surfaces()[static_cast<std::size_t>(lens.stop_index())];
@@ -174,9 +181,12 @@ class Linter {
                             NumberText(100.0 * lost) + " % less)");
         }
 
-        const SurfacePrescription& last = prescription_.surfaces.back();
-        if (!last.gap_given || std::isinf(first_order.bfl_mm)) return;
-        const double defocus = last.gap_mm - first_order.bfl_mm;
+        if (std::isinf(first_order.bfl_mm)) return;
+        const SurfacePrescription& last = prescription_.surfaces[prescription_.optical_count() - 1];
+        CheckSections(lens, beam);
+        if (!last.gap_given) return;
+        const double focus = 0.5 * (lens.first_order(Section::kX).bfl_mm + first_order.bfl_mm);
+        const double defocus = last.gap_mm - focus;
         const double blur = std::abs(defocus) / beam.working_f_number;
         if (blur > kFocusBlurMm) {
             Warn("focus",
@@ -186,6 +196,16 @@ class Linter {
                      " mm wide open",
                  last.where);
         }
+    }
+
+    // The two sections of an anamorphic lens should have one focus.
+    void CheckSections(const Lens& lens, const AxialBeam& beam) {
+        const double apart = lens.first_order(Section::kX).bfl_mm - lens.first_order().bfl_mm;
+        const double blur = 0.5 * std::abs(apart) / beam.working_f_number;
+        if (!(blur > kFocusBlurMm)) return;
+        Warn("astigmatism", "the foci of the x and y sections lie " + NumberText(std::abs(apart)) +
+                                " mm apart: a point becomes a line of " + NumberText(blur) +
+                                " mm wide open");
     }
 
     const Prescription& prescription_;

@@ -109,6 +109,22 @@ std::optional<Error> CheckWavelengths(const FlareRequest& request) {
     return std::nullopt;
 }
 
+std::optional<Error> CheckModel(const FlareRequest& request) {
+    const ModelSpec& model = request.model;
+    if (model.reflections != 2 && model.reflections != 4) {
+        return Bad("/model/reflections", "must be 2 or 4");
+    }
+    if (!(model.four_reflection_threshold > 0.0 && model.four_reflection_threshold <= 1e6)) {
+        return Bad("/model/four_reflection_threshold", "must be above 0 and at most 1000000");
+    }
+    if (model.sensor_reflection && !request.lens->sensor()) {
+        return Bad("/model/sensor_reflection",
+                   "the lens \"" + request.lens->name() +
+                       "\" has no reflecting sensor: its last surface is not of kind \"sensor\"");
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Error> CheckRequest(const FlareRequest& request) {
@@ -116,6 +132,7 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
     if (request.f_number && !(*request.f_number > 0.0 && *request.f_number <= 1e4)) {
         return Bad("/f_number", "must be above 0 and at most 10000");
     }
+    if (auto error = CheckModel(request)) return error;
     const IrisShape& iris = request.iris;
     if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
         return Bad("/iris/blades", "must be 0 (round) or 3 to 32");

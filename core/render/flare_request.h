@@ -14,6 +14,7 @@
 #include "core/base/vec.h"
 #include "core/optics/iris.h"
 #include "core/optics/lens.h"
+#include "core/optics/lens_state.h"
 
 namespace flare {
 
@@ -31,6 +32,17 @@ struct ImageSpec {
     std::optional<std::array<int, 4>> crop;   // x, y, w, h inside the full frame
     std::array<int, 4> overscan{0, 0, 0, 0};  // left, top, right, bottom, pixels
     Projection projection = Projection::kAuto;
+    // An anamorphic lens's picture in the proportions of the scene, not squeezed as on the sensor:
+    // pixels are then narrower on the sensor by the lens's squeeze.
+    bool desqueeze = false;
+};
+
+// What physics is asked for.
+struct ModelSpec {
+    int reflections = 2;  // 2, or 4: the four-reflection ghosts above the threshold as well
+    // Smallest peak irradiance, per unit E0, of a four-reflection ghost that is rendered.
+    double four_reflection_threshold = 1e-3;
+    bool sensor_reflection = false;  // ghosts that the sensor reflects; the lens must have one
 };
 
 struct LightSpec {
@@ -42,7 +54,10 @@ struct LightSpec {
 };
 
 struct FlareRequest {
-    std::shared_ptr<const Lens> lens;
+    std::shared_ptr<const Lens> lens;       // zoomed and focused
+    LensState state;                        // that it is in, for the record
+    std::vector<StateClamp> state_clamped;  // what was asked outside the lens's range
+    ModelSpec model;
     std::optional<double> f_number;  // absent: the lens's own
     IrisShape iris;
     ImageSpec image;

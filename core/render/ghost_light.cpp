@@ -86,7 +86,8 @@ class CellLight {
 
     bool NearCriticalAngle() const {
         const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        for (std::size_t at = 0; at < corners_.size(); at += steps) {
+        const auto stride = static_cast<std::size_t>(mesh_.passage_count());
+        for (std::size_t at = 0; at < corners_.size(); at += stride) {
             for (std::size_t s = 0; s < steps; ++s) {
                 if (corners_[at + s] < 0.04 && corners_[at + s] > -0.04) return true;
             }
@@ -94,12 +95,12 @@ class CellLight {
         return false;
     }
 
-    // Gathers the cosines at the cell's corners, a dead one filled in by the parallelogram rule.
+    // Gathers the passages at the cell's corners, a dead one filled in by the parallelogram rule.
     void SetCell(const CellPlace& place) {
         if (place.grid == cell_.grid && place.i == cell_.i && place.j == cell_.j) return;
         cell_ = place;
         const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const auto steps = static_cast<std::size_t>(mesh_.passage_count());
         corners_.assign(grid.nodes.size() * 4 * steps, 0.0);
         const int dead =
             surface_.UseOf(place) == CellUse::kTriangle ? surface_.DeadCorner(place) : -1;
@@ -109,7 +110,7 @@ class CellLight {
                 const std::size_t vertex = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
                 for (std::size_t s = 0; s < steps; ++s) {
                     at[static_cast<std::size_t>(corner) * steps + s] =
-                        static_cast<double>(grid.nodes[k].rare_cos2[vertex * steps + s]);
+                        static_cast<double>(grid.nodes[k].passage[vertex * steps + s]);
                 }
             }
             if (dead < 0) continue;
@@ -122,8 +123,8 @@ class CellLight {
     }
 
     double Weight(std::size_t band, double a, double b) {
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        cosines_.assign(steps, 0.0);
+        const auto steps = static_cast<std::size_t>(mesh_.passage_count());
+        passage_.assign(steps, 0.0);
         const std::array<double, 4> w = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b,
                                          a * b};
         for (std::size_t k = 0; k < weights_[band].size(); ++k) {
@@ -131,10 +132,10 @@ class CellLight {
                 const double share = weights_[band][k] * w[corner];
                 if (share == 0.0) continue;
                 const double* const at = &corners_[(k * 4 + corner) * steps];
-                for (std::size_t s = 0; s < steps; ++s) cosines_[s] += share * at[s];
+                for (std::size_t s = 0; s < steps; ++s) passage_[s] += share * at[s];
             }
         }
-        return path_.Weight(static_cast<int>(band), cosines_);
+        return path_.Weight(static_cast<int>(band), passage_);
     }
 
     const GhostSurface& surface_;
@@ -144,8 +145,8 @@ class CellLight {
     std::vector<std::vector<double>> weights_;
     std::vector<std::vector<std::vector<double>>> at_vertex_;  // [grid][vertex][wavelength]
     CellPlace cell_{-1, -1, -1};
-    std::vector<double> corners_;  // [node][corner][interaction]
-    std::vector<double> cosines_;
+    std::vector<double> corners_;  // [node][corner][passage]
+    std::vector<double> passage_;
 };
 
 }  // namespace
@@ -181,25 +182,25 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
     return cells;
 }
 
-double DispersionPx(const GhostMesh& mesh, const std::vector<GhostLight::Cell>& cells,
+double DispersionPx(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
                     const PictureMap& map) {
+    const GhostMesh& mesh = surface.mesh();
     const std::vector<double> traced = TracedWavelengths(mesh);
     const std::vector<std::vector<std::uint8_t>> used = UsedVertices(mesh, cells);
     const std::vector<double> low = NodeWeights(traced, kDrawnLow_nm);
     const std::vector<double> high = NodeWeights(traced, kDrawnHigh_nm);
-    const auto fields = static_cast<std::size_t>(mesh.field_count());
+    const auto fields = static_cast<std::size_t>(mesh.stored_count());
     double largest = 0.0;
     for (std::size_t g = 0; g < mesh.grids.size(); ++g) {
         for (std::size_t v = 0; v < used[g].size(); ++v) {
             if (used[g][v] == 0 || mesh.grids[g].alive[v] == 0) continue;
-            double dx = 0.0;
-            double dy = 0.0;
+            Vec2d spread(0.0, 0.0);
             for (std::size_t k = 0; k < traced.size(); ++k) {
                 const float* const f = &mesh.grids[g].nodes[k].fields[v * fields];
-                dx += (high[k] - low[k]) * static_cast<double>(f[0]);
-                dy += (high[k] - low[k]) * static_cast<double>(f[1]);
+                spread += mesh.SensorPlace(f, surface.sensor_gap_mm()) * (high[k] - low[k]);
             }
-            largest = std::max(largest, (map.px_per_x * dx + map.px_per_y * dy).length());
+            largest =
+                std::max(largest, (map.px_per_x * spread.x + map.px_per_y * spread.y).length());
         }
     }
     return largest;

@@ -37,7 +37,7 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
 // How far apart the ends of the drawn range of wavelengths land, at most, in pixels, over `cells`.
 // Asked of the full frame's cells whatever window is drawn, or a crop would be drawn at other
 // wavelengths.
-double DispersionPx(const GhostMesh& mesh, const std::vector<GhostLight::Cell>& cells,
+double DispersionPx(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
                     const PictureMap& map);
 
 // `tables` holds the colour bands (colour) or the request's wavelengths (spectral).

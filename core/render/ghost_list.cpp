@@ -7,6 +7,7 @@
 #include "core/base/units.h"
 #include "core/image/raster_sink.h"
 #include "core/mesh/mesh_builder.h"
+#include "core/render/ghost_choice.h"
 #include "core/render/ghost_flux.h"
 #include "core/render/ghost_light.h"
 #include "core/tracing/paraxial_ghost.h"
@@ -14,7 +15,6 @@
 namespace flare {
 namespace {
 
-constexpr double kPeakPixel_mm = 0.01875;
 constexpr double kFarthestPeak_mm = 150.0;  // peaks are looked for this far from the axis
 
 // The ranked list is a measurement, not a preview: a finer mesh and finer masks.
@@ -27,20 +27,22 @@ constexpr WalkTolerance kTolerance{0.05, 0.02, 1.0, 12.0, 0.03};
 // A peak lies in a small bright place; the wide dim parts need no care.
 constexpr WalkTolerance kPeakTolerance{0.3, 0.15, 1.0, 64.0, 0.15};
 
-void SetParaxial(const Lens& lens, GhostEntry& entry) {
-    const ParaxialPath path = ParaxialPathOf(WriteOut(lens, entry.sequence, kLineD));
-    entry.abcd = path.front_to_sensor;
+GhostSection SectionOf(const Lens& lens, const BounceSequence& sequence, Section section) {
+    const ParaxialPath path = ParaxialPathOf(WriteOut(lens, sequence, kLineD), section);
+    GhostSection out;
+    out.abcd = path.front_to_sensor;
     for (std::size_t i = 0; i < path.front_to_stop.size(); ++i) {
         GhostCrossing crossing;
         crossing.a1 = path.front_to_stop[i].a;
-        crossing.m = entry.abcd.a / crossing.a1;
+        crossing.m = out.abcd.a / crossing.a1;
         crossing.z_eff_mm = path.stop_to_sensor[i].b / crossing.m;
-        entry.crossings.push_back(crossing);
-        const auto largest = static_cast<std::size_t>(entry.largest_crossing);
-        if (std::abs(crossing.a1) > std::abs(entry.crossings[largest].a1)) {
-            entry.largest_crossing = static_cast<int>(i);
+        out.crossings.push_back(crossing);
+        const auto largest = static_cast<std::size_t>(out.largest_crossing);
+        if (std::abs(crossing.a1) > std::abs(out.crossings[largest].a1)) {
+            out.largest_crossing = static_cast<int>(i);
         }
     }
+    return out;
 }
 
 // The brightest 18.75 um pixel, drawn strip by strip so that a ghost of any size needs little
@@ -97,6 +99,13 @@ Result<GhostList> RankGhosts(const std::shared_ptr<const Lens>& lens,
     if (!(options.field_deg >= 0.0 && options.field_deg <= 180.0)) {
         return Error{"bad_value", "the field angle must be 0 to 180 degrees", "field_deg"};
     }
+    if (!(std::abs(options.azimuth_deg) <= 360.0)) {
+        return Error{"bad_value", "the azimuth must be within +-360 degrees", "azimuth_deg"};
+    }
+    if (options.model.sensor_reflection && !lens->sensor()) {
+        return Error{"bad_value", "the lens \"" + lens->name() + "\" has no reflecting sensor",
+                     "sensor_reflection"};
+    }
     if (!(options.wavelength_nm >= 300.0 && options.wavelength_nm <= 1100.0)) {
         return Error{"bad_value", "the wavelength must be 300 to 1100 nm", "wavelength_nm"};
     }
@@ -108,28 +117,47 @@ Result<GhostList> RankGhosts(const std::shared_ptr<const Lens>& lens,
     const double opening =
         options.f_number ? StopForFNumber(*lens, *options.f_number).semi_diameter_mm : rim;
     const Iris iris({}, opening, rim);
-    const double field = RadiansFromDegrees(options.field_deg);
-    const LightBundle bundle(*lens, field, 0.0);
+    PlacedLight light;
+    light.field_rad = RadiansFromDegrees(options.field_deg);
+    light.pose = PoseOf(*lens, RadiansFromDegrees(options.azimuth_deg));
+    const LightBundle bundle = BundleOf(*lens, light);
     const TransmissionTables tables(*lens, {options.wavelength_nm}, context.threads);
-    const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens);
-
     GhostList list;
+    std::vector<BounceSequence> sequences =
+        TwoReflectionSequences(*lens, options.model.sensor_reflection);
+    if (options.model.reflections == 4) {
+        const Result<GhostChoice> four =
+            ChooseFourReflections(*lens, options.model, iris, light, context);
+        if (!four) return four.error();
+        list.four_reflections = four->facts;
+        sequences.insert(sequences.end(), four->sequences.begin(), four->sequences.end());
+    }
+
     list.ghosts.resize(sequences.size());
     context.threads.For(static_cast<int>(sequences.size()), [&](int i) {
         if (context.cancel.cancelled()) return;
         GhostEntry& entry = list.ghosts[static_cast<std::size_t>(i)];
         entry.sequence = sequences[static_cast<std::size_t>(i)];
-        SetParaxial(*lens, entry);
-        const MeshSpec spec{entry.sequence,          field,          0.0,
-                            {options.wavelength_nm}, kCells,         kPatchCells,
-                            kPositionTolerance_mm,   kMaskTolerance, kCosineTolerance};
+        entry.x = SectionOf(*lens, entry.sequence, Section::kX);
+        entry.y = SectionOf(*lens, entry.sequence, Section::kY);
+        MeshSpec spec;
+        spec.sequence = entry.sequence;
+        spec.field_rad = light.field_rad;
+        spec.azimuth_rad = light.pose.azimuth_rad;
+        spec.wavelengths_nm = {options.wavelength_nm};
+        spec.cells = kCells;
+        spec.patch_cells = kPatchCells;
+        spec.position_tolerance_mm = kPositionTolerance_mm;
+        spec.mask_tolerance = kMaskTolerance;
+        spec.cosine_tolerance = kCosineTolerance;
         const auto found = context.meshes.Get(
             MeshKey(*lens, spec), [&] { return BuildMesh(*lens, spec); }, context.cancel);
         if (!found) return;
-        const auto surface = std::make_shared<const GhostSurface>(found->mesh);
+        const auto surface =
+            std::make_shared<const GhostSurface>(found->mesh, lens->sensor_gap_mm());
         const GhostFlux flux = FluxOf(surface, bundle, *lens, tables, iris, kTolerance);
         entry.flux_mm2 = flux.flux_mm2;
-        entry.centroid_mm = flux.centroid_mm;
+        entry.centroid_mm = light.pose.LensSpace(flux.centroid_mm);
         if (options.with_peaks && flux.flux_mm2 > 0.0) {
             entry.peak_irradiance = PeakOf(surface, bundle, *lens, tables, iris, context.cancel);
         }

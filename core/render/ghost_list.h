@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ranked list of a lens's two-reflection ghosts for a collimated light in the meridional plane,
-// travelling along (sin a, 0, cos a) in lens space. Fluxes are per unit irradiance E0 perpendicular
-// to the beam, so they are areas, mm^2.
+// The ranked list of a lens's ghosts for a collimated light that travels along
+// (sin a cos b, sin a sin b, cos a) in lens space, a being the field angle and b the azimuth (0: in
+// the x-z plane). Fluxes are per unit irradiance E0 perpendicular to the beam, so they are areas,
+// mm^2.
 #pragma once
 
 #include <optional>
@@ -22,26 +23,34 @@ struct GhostCrossing {
     double z_eff_mm = 0.0;  // effective propagation distance B2 A1 / A
 };
 
-struct GhostEntry {
-    std::vector<int> sequence;
+// A ghost's first-order path in one section.
+struct GhostSection {
     Abcd abcd;                             // vertex 0 -> sensor
     std::vector<GhostCrossing> crossings;  // in the order the light meets the stop
     int largest_crossing = 0;              // index of the crossing with the largest |A1|
-    double flux_mm2 = 0.0;                 // on the whole sensor plane
-    Vec2d centroid_mm{0.0, 0.0};           // of the flux, lens space
-    double peak_irradiance = 0.0;          // largest mean over an 18.75 um pixel, E0 = 1
+};
+
+struct GhostEntry {
+    std::vector<int> sequence;
+    GhostSection x, y;             // equal for a rotational lens
+    double flux_mm2 = 0.0;         // on the whole sensor plane
+    Vec2d centroid_mm{0.0, 0.0};   // of the flux, lens space
+    double peak_irradiance = 0.0;  // largest mean over an 18.75 um pixel, E0 = 1
 };
 
 struct GhostListOptions {
     double wavelength_nm = kLineD;
     std::optional<double> f_number;  // absent: wide open
     double field_deg = 0.0;
+    double azimuth_deg = 0.0;
+    ModelSpec model;         // which ghosts
     bool with_peaks = true;  // peaks need a raster of every ghost
 };
 
 struct GhostList {
     double total_flux_mm2 = 0.0;
     std::vector<GhostEntry> ghosts;  // brightest flux first
+    std::optional<FourReflectionFacts> four_reflections;
 };
 
 Result<GhostList> RankGhosts(const std::shared_ptr<const Lens>& lens,

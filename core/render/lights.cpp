@@ -19,21 +19,34 @@ std::string Place(std::size_t index, const char* field) {
 }
 
 // Full-frame pixel to upright image coordinates on the sensor, mm from the axis, right and up.
-Vec2d ImagePoint(const ImageSpec& image, const Vec2d& pixel) {
-    const Vec2d pitch = PixelPitch(image);
+Vec2d ImagePoint(const FlareRequest& request, const Vec2d& pixel) {
+    const ImageSpec& image = request.image;
+    const Vec2d pitch = PixelPitch(request);
     return {(pixel.x - 0.5 * image.width) * pitch.x - image.center_offset_mm.x,
             (0.5 * image.height - pixel.y) * pitch.y - image.center_offset_mm.y};
 }
 
 Result<Vec3d> DirectionOfPixel(const FlareRequest& request, std::size_t index,
                                double inverse_distance) {
-    const Vec2d point = ImagePoint(request.image, *request.lights[index].pixel);
-    const FirstOrder& first_order = request.lens->first_order();
+    const Vec2d point = ImagePoint(request, *request.lights[index].pixel);
+    const Lens& lens = *request.lens;
     if (ProjectionOf(request) == Projection::kRectilinear) {
-        return Vec3d(point.x, point.y, first_order.projection_distance_mm).normalized();
+        // Each section has its own distance; only the squeeze shows in the direction.
+        const double x = lens.first_order(Section::kX).projection_distance_mm;
+        const double y = lens.first_order(Section::kY).projection_distance_mm;
+        const double squeezed = lens.rotational() ? 1.0 : y / x;
+        return Vec3d(point.x * squeezed, point.y, y).normalized();
     }
     const double radius = point.length();
     if (radius == 0.0) return Vec3d(0.0, 0.0, 1.0);
+    if (!lens.rotational()) {
+        // The picture stands upside down on the sensor.
+        const std::optional<Vec3d> travel =
+            TravelToSensor(lens, {-point.x, -point.y}, inverse_distance, kLineD);
+        if (travel) return Vec3d(-travel->x, -travel->y, travel->z);
+        return Error{"bad_value", "no chief ray of this lens lands on that pixel",
+                     Place(index, "pixel")};
+    }
     const std::optional<double> field =
         FieldOfImageRadius(*request.lens, radius, inverse_distance, kLineD);
     if (!field) {
@@ -48,19 +61,37 @@ Result<Vec3d> DirectionOfPixel(const FlareRequest& request, std::size_t index,
 bool InsideLens(const Lens& lens, const PlacedLight& light) {
     const double distance = 1.0 / light.inverse_distance;
     const double radius = distance * std::sin(light.field_rad);
-    const double z = lens.first_order().entrance.z_mm - distance * std::cos(light.field_rad);
+    const double z = lens.pupil_z_mm() - distance * std::cos(light.field_rad);
     const LensSurface& front = lens.surfaces().front();
     if (std::abs(radius) >= front.semi_diameter_mm) return false;
-    const double c = front.curvature;
-    const double sag = c * radius * radius / (1.0 + std::sqrt(1.0 - c * c * radius * radius));
-    return z > sag - kNearestToGlass_mm;
+    const Vec2d at = light.pose.LensSpace(
+        {-radius * std::cos(light.pose.azimuth_rad), -radius * std::sin(light.pose.azimuth_rad)});
+    return z > front.shape.Sag(at.x, at.y) - kNearestToGlass_mm;
+}
+
+// Angles that name meshes, without the last digits that a turn of the picture changes: 1e-12 rad is
+// nothing on any sensor.
+double Settled(double angle_rad) {
+    constexpr double kGrain = 1e12;
+    if (angle_rad == 0.5 * kPi) return angle_rad;  // the y-z plane, exactly
+    return std::round(angle_rad * kGrain) / kGrain;
 }
 
 }  // namespace
 
-Vec2d PixelPitch(const ImageSpec& image) {
+Vec2d PixelPitch(const FlareRequest& request) {
+    const ImageSpec& image = request.image;
     const double pitch = image.sensor_width_mm / image.width;
-    return {pitch, pitch / image.pixel_aspect};
+    const double squeeze = image.desqueeze ? request.lens->squeeze() : 1.0;
+    return {pitch, pitch / image.pixel_aspect * squeeze};
+}
+
+double ShownPixelAspect(const FlareRequest& request) {
+    return request.image.pixel_aspect * (request.image.desqueeze ? 1.0 : request.lens->squeeze());
+}
+
+LightBundle BundleOf(const Lens& lens, const PlacedLight& light) {
+    return {lens, light.field_rad, light.inverse_distance, light.pose.azimuth_rad};
 }
 
 Projection ProjectionOf(const FlareRequest& request) {
@@ -92,8 +123,9 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     }
     const Vec3d& d = light.direction;
     const double across = std::hypot(d.x, d.y);
-    light.field_rad = std::atan2(across, d.z);
-    light.azimuth_rad = across > 0.0 ? std::atan2(-d.y, -d.x) : 0.0;
+    light.field_rad = Settled(std::atan2(across, d.z));
+    light.pose = PoseOf(*request.lens, across > 0.0 ? std::atan2(-d.y, -d.x) : 0.0);
+    light.pose.azimuth_rad = Settled(light.pose.azimuth_rad);
     if (spec.distance_m && InsideLens(*request.lens, light)) {
         return Error{"bad_value", "the light is inside the lens or touches its front surface",
                      Place(index, "distance_m")};
@@ -101,14 +133,15 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     return light;
 }
 
-PictureMap MapOf(const ImageSpec& image, double azimuth_rad) {
-    const Vec2d pitch = PixelPitch(image);
+PictureMap MapOf(const FlareRequest& request, const CanonicalPose& pose) {
+    const ImageSpec& image = request.image;
+    const Vec2d pitch = PixelPitch(request);
     PictureMap map;
-    map.cos_azimuth = std::cos(azimuth_rad);
-    map.sin_azimuth = std::sin(azimuth_rad);
+    map.stop_per_x = pose.x_axis;
+    map.stop_per_y = pose.y_axis;
     // Lens space on the sensor is the picture upside down: right is -x, down is +y.
-    map.px_per_x = {-map.cos_azimuth / pitch.x, map.sin_azimuth / pitch.y};
-    map.px_per_y = {map.sin_azimuth / pitch.x, map.cos_azimuth / pitch.y};
+    map.px_per_x = {-pose.x_axis.x / pitch.x, pose.x_axis.y / pitch.y};
+    map.px_per_y = {-pose.y_axis.x / pitch.x, pose.y_axis.y / pitch.y};
     map.offset_px = {0.5 * image.width + image.center_offset_mm.x / pitch.x,
                      0.5 * image.height - image.center_offset_mm.y / pitch.y};
     return map;

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A request's lights in the renderer's terms: a canonical light (field angle and distance) and the
-// azimuth about the axis that turns it into place.
+// A request's lights in the renderer's terms: a canonical light (field angle, azimuth where the
+// lens is not rotational, and distance) and the pose that turns or mirrors it into place.
 #pragma once
 
 #include "core/base/result.h"
 #include "core/image/ghost_walk.h"
 #include "core/render/flare_request.h"
+#include "core/tracing/light_bundle.h"
 
 namespace flare {
 
 struct PlacedLight {
     Vec3d direction{0.0, 0.0, 1.0};  // camera axes, unit length, towards the light
     double field_rad = 0.0;          // from the axis, 0..pi
-    double azimuth_rad = 0.0;        // of the travelling light in lens space
-    double inverse_distance = 0.0;   // 1/mm from the entrance pupil's centre
+    CanonicalPose pose;
+    double inverse_distance = 0.0;  // 1/mm from the entrance pupil's centre
     Vec3d irradiance{0.0, 0.0, 0.0};
 };
 
@@ -26,9 +27,15 @@ Projection ProjectionOf(const FlareRequest& request);
 Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index);
 
 // Millimetres a pixel on the sensor, horizontally and vertically.
-Vec2d PixelPitch(const ImageSpec& image);
+Vec2d PixelPitch(const FlareRequest& request);
 
-// Sensor (canonical) to full-frame pixels for a light at this azimuth.
-PictureMap MapOf(const ImageSpec& image, double azimuth_rad);
+// Width over height of a pixel when the picture is shown in the proportions of the scene.
+double ShownPixelAspect(const FlareRequest& request);
+
+// Sensor (canonical) to full-frame pixels for a light in this pose.
+PictureMap MapOf(const FlareRequest& request, const CanonicalPose& pose);
+
+// The rays of a placed light.
+LightBundle BundleOf(const Lens& lens, const PlacedLight& light);
 
 }  // namespace flare

@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 #include "core/base/units.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/optics/paraxial.h"
+#include "core/render/ghost_choice.h"
 #include "core/render/ghost_flux.h"
 #include "core/render/lights.h"
 #include "core/render/picture.h"
@@ -49,10 +52,10 @@ class Job {
           lens_(*request.lens),
           settings_(SettingsOf(request.quality)),
           spectral_(request.color == ColorMode::kSpectral),
-          stop_(StopForFNumber(lens_, request.f_number.value_or(lens_.first_order().f_number))),
+          stop_(StopForFNumber(lens_, request.f_number.value_or(lens_.f_number()))),
           iris_(request.iris, stop_.semi_diameter_mm,
                 lens_.surfaces()[static_cast<std::size_t>(lens_.stop_index())].semi_diameter_mm),
-          sequences_(TwoReflectionSequences(lens_)),
+          sequences_(TwoReflectionSequences(lens_, request.model.sensor_reflection)),
           tables_(lens_,
                   spectral_
                       ? request.wavelengths_nm
@@ -89,6 +92,13 @@ class Job {
         facts.t_axis = AxialTransmittance(lens_, kLineD);
         facts.scene_linear_factor =
             4.0 * facts.working_f_number * facts.working_f_number / (kPi * facts.t_axis);
+        facts.focus_m = request_.state.focus_m;
+        facts.zoom_mm = request_.state.zoom_mm;
+        facts.squeeze = lens_.squeeze();
+        for (const StateClamp& clamp : request_.state_clamped) {
+            facts.clamped.push_back("/" + clamp.field + ": " + std::to_string(clamp.from) + " -> " +
+                                    std::to_string(clamp.to));
+        }
         if (stop_.clamped) {
             facts.clamped.push_back("/f_number: " + std::to_string(*request_.f_number) + " -> " +
                                     std::to_string(stop_.f_number));
@@ -102,12 +112,12 @@ class Job {
         LightFacts facts;
         facts.direction = light.direction;
         facts.field_deg = DegreesFromRadians(light.field_rad);
-        const LightBundle bundle(lens_, light.field_rad, light.inverse_distance);
-        if (const std::optional<ChiefRay> chief = FindChiefRay(lens_, bundle, kLineD)) {
+        if (const std::optional<ChiefRay> chief =
+                FindChiefRay(lens_, BundleOf(lens_, light), kLineD)) {
             facts.chief_ray_arrives = true;
-            const double x = chief->sensor_mm.x;
-            facts.sensor_mm = {-x * std::cos(light.azimuth_rad), -x * std::sin(light.azimuth_rad)};
-            facts.pixel = MapOf(request_.image, light.azimuth_rad).Pixel(x, 0.0);
+            const Vec2d at = chief->sensor_mm;
+            facts.sensor_mm = light.pose.LensSpace(at) * -1.0;
+            facts.pixel = MapOf(request_, light.pose).Pixel(at.x, at.y);
         }
         report_.facts.lights.push_back(facts);
     }
@@ -136,7 +146,15 @@ class Job {
     std::optional<Error> DrawLight(const PlacedLight& light) {
         const Vec3d& e = light.irradiance;
         if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return std::nullopt;
-        const int count = static_cast<int>(sequences_.size());
+        std::vector<std::size_t> ghosts_of_light(sequences_.size());
+        std::iota(ghosts_of_light.begin(), ghosts_of_light.end(), std::size_t{0});
+        if (request_.model.reflections == 4) {
+            const double before = context_.now_ms();
+            if (std::optional<Error> error = AddFourReflections(light, ghosts_of_light))
+                return error;
+            report_.work.mesh_ms += context_.now_ms() - before;
+        }
+        const int count = static_cast<int>(ghosts_of_light.size());
         for (int first = 0; first < count; first += kGhostsPerBatch) {
             const int batch = std::min(kGhostsPerBatch, count - first);
             std::vector<GhostLight> ghosts(static_cast<std::size_t>(batch));
@@ -144,14 +162,15 @@ class Job {
             const double t0 = context_.now_ms();
             context_.threads.For(batch, [&](int i) {
                 const auto n = static_cast<std::size_t>(i);
-                ghosts[n] = Prepare(light, static_cast<std::size_t>(first + i), work[n]);
+                ghosts[n] =
+                    Prepare(light, ghosts_of_light[static_cast<std::size_t>(first + i)], work[n]);
             });
             for (const Work& w : work) AddWork(w);
             const double t1 = context_.now_ms();
             if (!context_.cancel.cancelled()) {
                 const Picture::Drawn drawn =
-                    picture_.Draw(ghosts, iris_, MapOf(request_.image, light.azimuth_rad),
-                                  settings_.walk, context_.threads, context_.cancel);
+                    picture_.Draw(ghosts, iris_, MapOf(request_, light.pose), settings_.walk,
+                                  context_.threads, context_.cancel);
                 report_.work.polygons += drawn.pieces;
                 report_.work.fragments += drawn.fragments;
             }
@@ -163,12 +182,38 @@ class Job {
         return std::nullopt;
     }
 
+    // The ghosts of four reflections that this light makes bright enough, by their places in the
+    // report.
+    std::optional<Error> AddFourReflections(const PlacedLight& light,
+                                            std::vector<std::size_t>& ghosts_of_light) {
+        const Result<GhostChoice> choice =
+            ChooseFourReflections(lens_, request_.model, iris_, light, context_);
+        if (!choice) return choice.error();
+        Facts& facts = report_.facts;
+        FourReflectionFacts four = choice->facts;
+        if (facts.four_reflections) {
+            four.rendered_flux_mm2 += facts.four_reflections->rendered_flux_mm2;
+            four.lost_flux_mm2 += facts.four_reflections->lost_flux_mm2;
+        }
+        facts.culled_flux_mm2 += choice->facts.lost_flux_mm2;
+        report_.work.rays_traced += choice->rays_traced;
+        for (const BounceSequence& sequence : choice->sequences) {
+            const auto [known, added] = fours_.emplace(sequence, facts.ghosts.size());
+            if (added) facts.ghosts.push_back({sequence, "geometric", 0.0});
+            ghosts_of_light.push_back(known->second);
+        }
+        four.rendered = fours_.size();
+        facts.four_reflections = four;
+        return std::nullopt;
+    }
+
     // One ghost of one light, ready to draw. Writes only its own slots.
     GhostLight Prepare(const PlacedLight& light, std::size_t index, Work& work) {
         if (context_.cancel.cancelled()) return {};
         MeshSpec spec;
-        spec.sequence = sequences_[index];
+        spec.sequence = report_.facts.ghosts[index].sequence;
         spec.field_rad = light.field_rad;
+        spec.azimuth_rad = light.pose.azimuth_rad;
         spec.inverse_distance = light.inverse_distance;
         spec.wavelengths_nm = TracedNodes();
         spec.cells = settings_.mesh_cells;
@@ -183,11 +228,12 @@ class Job {
             work.rays_traced += found->mesh->rays_traced;
             work.ray_surfaces += found->mesh->ray_surfaces;
         }
-        const auto surface = std::make_shared<const GhostSurface>(found->mesh);
+        const auto surface =
+            std::make_shared<const GhostSurface>(found->mesh, lens_.sensor_gap_mm());
         if (surface->cells().empty()) return {};
 
-        const LightBundle bundle(lens_, light.field_rad, light.inverse_distance);
-        const PictureMap map = MapOf(request_.image, light.azimuth_rad);
+        const LightBundle bundle = BundleOf(lens_, light);
+        const PictureMap map = MapOf(request_, light.pose);
         GhostFacts& facts = report_.facts.ghosts[index];
         if (reported_) {
             facts.flux_mm2 +=
@@ -205,7 +251,7 @@ class Job {
             const PixelWindow frame{0, 0, request_.image.width, request_.image.height};
             const bool whole = picture_.window() == frame;
             colour.dispersion_px = DispersionPx(
-                *found->mesh,
+                *surface,
                 whole ? cells : CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(frame)),
                 map);
         }
@@ -234,9 +280,9 @@ class Job {
         FlareImage image;
         image.full = {0, 0, request_.image.width, request_.image.height};
         image.data = picture_.window();
-        image.pixel_aspect = request_.image.pixel_aspect;
+        image.pixel_aspect = ShownPixelAspect(request_);
         image.rec709 = !spectral_;
-        const Vec2d pitch = PixelPitch(request_.image);
+        const Vec2d pitch = PixelPitch(request_);
         double scale = 1.0 / (pitch.x * pitch.y);
         if (request_.units == Units::kSceneLinear) scale *= report_.facts.scene_linear_factor;
 
@@ -262,7 +308,8 @@ class Job {
     bool spectral_;
     StopSetting stop_;
     Iris iris_;
-    std::vector<BounceSequence> sequences_;
+    std::vector<BounceSequence> sequences_;        // of two reflections
+    std::map<BounceSequence, std::size_t> fours_;  // of four: place in the report
     TransmissionTables tables_;
     double flux_wavelength_nm_;
     TransmissionTables flux_tables_;

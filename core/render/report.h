@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,14 +29,25 @@ struct GhostFacts {
                             // line (or the first wavelength of a spectral request)
 };
 
+// The ghosts of four reflections, where they were asked for; sums over the lights.
+struct FourReflectionFacts {
+    double threshold = 0.0;  // peak irradiance per unit E0
+    std::uint64_t sequences = 0, rendered = 0;
+    double rendered_flux_mm2 = 0.0, lost_flux_mm2 = 0.0;
+};
+
 struct Facts {
+    std::optional<double> focus_m, zoom_mm;  // absent: infinity; not a zoom
+    double squeeze = 1.0;                    // of an anamorphic lens
+
     double f_number = 0.0;  // after clamping
     double working_f_number = 0.0;
     double t_axis = 0.0;
     double scene_linear_factor = 1.0;  // multiply sensor irradiance by this for scene_linear
     std::vector<std::string>
-        clamped;                     // JSON pointers of values that were clamped, with "from -> to"
-    double culled_flux_mm2 = 0.0;    // light left out on purpose
+        clamped;                   // JSON pointers of values that were clamped, with "from -> to"
+    double culled_flux_mm2 = 0.0;  // light left out on purpose
+    std::optional<FourReflectionFacts> four_reflections;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder

@@ -12,8 +12,8 @@ namespace flare {
 
 struct ChiefRay {
     Ray ray;
-    double u = 0.0;             // its place in the bundle's plane, v = 0
-    Vec2d sensor_mm{0.0, 0.0};  // lens space, canonical azimuth: y = 0
+    double u = 0.0, v = 0.0;    // its place in the bundle's plane; v = 0 in a plane of symmetry
+    Vec2d sensor_mm{0.0, 0.0};  // lens space, of the canonical light
     double max_rim_ratio2 = 0.0;
 };
 
@@ -26,5 +26,11 @@ std::optional<ChiefRay> FindChiefRay(const Lens& lens, const LightBundle& bundle
 // radius.
 std::optional<double> FieldOfImageRadius(const Lens& lens, double radius_mm,
                                          double inverse_distance, double wavelength_nm);
+
+// The unit vector in lens space along which a light, distant or near, must travel at the entrance
+// pupil for its chief ray to land on `sensor_mm` (lens space, within 1e-9 mm). For lenses of any
+// symmetry, fields below 90 degrees; empty where none is found.
+std::optional<Vec3d> TravelToSensor(const Lens& lens, Vec2d sensor_mm, double inverse_distance,
+                                    double wavelength_nm);
 
 }  // namespace flare

@@ -17,10 +17,22 @@ Interaction StepAt(const Lens& lens, int index, bool forward, bool reflects, dou
     step.surface = index;
     step.forward = forward;
     step.vertex_z_mm = surface.vertex_z_mm;
-    step.curvature = surface.curvature;
+    step.shape = surface.shape;
     step.semi_diameter_mm = surface.semi_diameter_mm;
     step.n_in = forward ? before : behind;
     step.n_out = forward ? behind : before;
+    step.absorption_per_mm = (forward ? lens.MediumBefore(index) : lens.MediumBehind(index))
+                                 .AbsorptionPerMm(wavelength_nm);
+    return step;
+}
+
+// Light that the sensor sends back.
+Interaction SensorStep(const Lens& lens) {
+    Interaction step;
+    step.kind = InteractionKind::kReflect;
+    step.surface = lens.sensor_index();
+    step.vertex_z_mm = lens.sensor_z_mm();
+    step.semi_diameter_mm = lens.sensor()->semi_diameter_mm;
     return step;
 }
 
@@ -30,12 +42,19 @@ InteractionList WriteOut(const Lens& lens, const BounceSequence& sequence, doubl
     InteractionList list;
     list.sensor_z_mm = lens.sensor_z_mm();
     list.wavelength_nm = wavelength_nm;
-    const int count = static_cast<int>(lens.surfaces().size());
     std::size_t next_bounce = 0;
     bool forward = true;
-    for (int at = 0; at < count; at += forward ? 1 : -1) {
+    const int sensor = lens.sensor_index();
+    for (int at = 0;; at += forward ? 1 : -1) {
         FLARE_CHECK(at >= 0);
         const bool reflects = next_bounce < sequence.size() && sequence[next_bounce] == at;
+        if (at == sensor) {
+            if (!reflects) break;
+            list.steps.push_back(SensorStep(lens));
+            ++next_bounce;
+            forward = false;
+            continue;
+        }
         list.steps.push_back(StepAt(lens, at, forward, reflects, wavelength_nm));
         if (list.steps.back().kind == InteractionKind::kStop) ++list.stop_crossings;
         if (reflects) {
@@ -50,6 +69,7 @@ InteractionList WriteOut(const Lens& lens, const BounceSequence& sequence, doubl
 Reflection ReflectionAt(const Lens& lens, const Interaction& step, double cos_in,
                         double wavelength_nm) {
     if (step.kind == InteractionKind::kStop) return {0.0, 1.0};
+    if (step.surface == lens.sensor_index()) return {lens.sensor()->reflectance, 0.0};
     const LensSurface& surface = lens.surfaces()[static_cast<std::size_t>(step.surface)];
     const bool from_high_index = step.n_in > step.n_out;
     return ReflectionOf(surface.coating, from_high_index, step.n_in, step.n_out, cos_in,

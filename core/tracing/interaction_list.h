@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A bounce sequence written out for one wavelength: every surface the light meets, in order, with
-// the indices on both sides. The tracer runs down this list and knows nothing else of the lens.
+// the indices on both sides. The tracer runs down this list and knows nothing else of the lens. A
+// sensor that reflects is an interaction like any other, with the surface number
+// Lens::sensor_index(); the sensor that the light ends on is none.
 #pragma once
 
 #include <vector>
@@ -18,10 +20,11 @@ struct Interaction {
     int surface = 0;
     bool forward = true;  // the light meets the surface travelling from its front to its back
     double vertex_z_mm = 0.0;
-    double curvature = 0.0;
+    SurfaceShape shape;
     double semi_diameter_mm = 0.0;
-    double n_in = 1.0;   // medium the light comes from
-    double n_out = 1.0;  // medium behind the interface (also for a reflection)
+    double n_in = 1.0;               // medium the light comes from
+    double n_out = 1.0;              // medium behind the interface (also for a reflection)
+    double absorption_per_mm = 0.0;  // of the medium the light comes from
 };
 
 struct InteractionList {

@@ -2,7 +2,10 @@
 #include "core/tracing/light_bundle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "core/base/units.h"
 
 namespace flare {
 namespace {
@@ -12,15 +15,39 @@ constexpr double kMaxTangent = 20.0;
 
 }  // namespace
 
-LightBundle::LightBundle(const Lens& lens, double field_rad, double inverse_distance)
+CanonicalPose PoseOf(const Lens& lens, double azimuth_rad) {
+    CanonicalPose pose;
+    const double c = std::cos(azimuth_rad);
+    const double s = std::sin(azimuth_rad);
+    if (lens.rotational()) {
+        pose.x_axis = {c, s};
+        pose.y_axis = {-s, c};
+        return pose;
+    }
+    pose.x_axis.x = c < 0.0 ? -1.0 : 1.0;
+    pose.y_axis.y = s < 0.0 ? -1.0 : 1.0;
+    pose.azimuth_rad = std::atan2(std::abs(s), std::abs(c));
+    // A light in the y-z plane, whatever its angle's last digit.
+    constexpr double kOnAxis = 1e-12;
+    if (pose.azimuth_rad < kOnAxis) pose.azimuth_rad = 0.0;
+    if (pose.azimuth_rad > 0.5 * kPi - kOnAxis) pose.azimuth_rad = 0.5 * kPi;
+    return pose;
+}
+
+LightBundle::LightBundle(const Lens& lens, double field_rad, double inverse_distance,
+                         double azimuth_rad)
     : field_rad_(field_rad),
       inverse_distance_(inverse_distance),
-      pupil_(0.0, 0.0, lens.first_order().entrance.z_mm) {
+      pupil_(0.0, 0.0, lens.pupil_z_mm()) {
     const double s = std::sin(field_rad);
     const double c = std::cos(field_rad);
-    travel_ = {s, 0.0, c};
-    e1_ = {c, 0.0, -s};
-    e2_ = {0.0, 1.0, 0.0};
+    const bool in_y = azimuth_rad == 0.5 * kPi;
+    cos_azimuth_ = in_y ? 0.0 : std::cos(azimuth_rad);
+    sin_azimuth_ = in_y ? 1.0 : std::sin(azimuth_rad);
+    mirror_symmetric_ = lens.rotational() || in_y || azimuth_rad == 0.0;
+    travel_ = {s * cos_azimuth_, s * sin_azimuth_, c};
+    e1_ = {c * cos_azimuth_, c * sin_azimuth_, -s};
+    e2_ = {-sin_azimuth_, cos_azimuth_, 0.0};
     BoundFrontCap(lens);
 }
 
@@ -40,10 +67,9 @@ double LightBundle::FluxDensity(double u, double v) const {
 void LightBundle::BoundFrontCap(const Lens& lens) {
     const LensSurface& front = lens.surfaces().front();
     const double h = front.semi_diameter_mm * 1.05;
-    const double radicand = std::max(0.0, 1.0 - front.curvature * front.curvature * h * h);
-    const double sag = front.curvature * h * h / (1.0 + std::sqrt(radicand));
-    const Vec3d centre(0.0, 0.0, 0.5 * sag);
-    const double radius = std::hypot(h, 0.5 * sag);
+    const std::array<double, 2> sag = front.shape.SagRange(h);
+    const Vec3d centre(0.0, 0.0, 0.5 * (sag[0] + sag[1]));
+    const double radius = std::hypot(h, 0.5 * (sag[1] - sag[0]));
 
     const Vec3d to_centre = centre - pupil_;
     const double along = to_centre.dot(travel_);

@@ -2,9 +2,11 @@
 //
 // The rays of one point light that may enter the lens, as a family over a plane across the beam.
 // The plane passes through the centre of the paraxial entrance pupil; (u, v) are mm in it, u in the
-// meridional plane. The light is kept in a canonical place: it travels along (sin a, 0, cos a) in
-// lens space; a rotationally symmetric lens gives every other azimuth by rotating the result. Works
-// for any angle, also beyond 90 degrees, and for lights at infinity (inverse distance 0).
+// meridional plane (the one of light and axis). The light is kept in a canonical place
+// (CanonicalPose): for a rotational lens it travels along (sin a, 0, cos a) in lens space, any
+// other azimuth being a rotation of the result; for an anamorphic one its azimuth lies between the
+// x and y axes, the other quadrants being mirror images. Works for any angle, also beyond 90
+// degrees, and for lights at infinity (inverse distance 0).
 #pragma once
 
 #include "core/optics/lens.h"
@@ -12,10 +14,24 @@
 
 namespace flare {
 
+// How lens space is turned or mirrored to bring a light into its canonical place.
+struct CanonicalPose {
+    double azimuth_rad = 0.0;  // of the canonical light's travel: 0, or 0 .. pi/2 if anamorphic
+    // The canonical x and y axes as they stand in lens space.
+    Vec2d x_axis{1.0, 0.0}, y_axis{0.0, 1.0};
+
+    Vec2d LensSpace(Vec2d canonical) const { return x_axis * canonical.x + y_axis * canonical.y; }
+};
+
+// For a light that travels with this azimuth, atan2 of its y and x directions, in lens space.
+CanonicalPose PoseOf(const Lens& lens, double azimuth_rad);
+
 class LightBundle {
   public:
-    // `field_rad` 0..pi from the axis; `inverse_distance` 1/mm, from the entrance pupil's centre.
-    LightBundle(const Lens& lens, double field_rad, double inverse_distance);
+    // `field_rad` 0..pi from the axis; `inverse_distance` 1/mm, from the entrance pupil's centre;
+    // `azimuth_rad` of a canonical light.
+    LightBundle(const Lens& lens, double field_rad, double inverse_distance,
+                double azimuth_rad = 0.0);
 
     Ray At(double u, double v) const;
 
@@ -32,11 +48,20 @@ class LightBundle {
 
     double field_rad() const { return field_rad_; }
     double inverse_distance() const { return inverse_distance_; }
+    // Is the lens, seen from the light, the same for v and -v?
+    bool mirror_symmetric() const { return mirror_symmetric_; }
+    // A place given across and along the meridional plane of this light, in canonical lens space.
+    Vec2d Meridional(double along, double across) const {
+        return Vec2d(cos_azimuth_, sin_azimuth_) * along +
+               Vec2d(-sin_azimuth_, cos_azimuth_) * across;
+    }
 
   private:
     void BoundFrontCap(const Lens& lens);
 
     double field_rad_, inverse_distance_;
+    double cos_azimuth_ = 1.0, sin_azimuth_ = 0.0;
+    bool mirror_symmetric_ = true;
     Vec3d pupil_, travel_, e1_, e2_;
     double centre_u_ = 0.0, half_width_ = 0.0;
 };

@@ -5,24 +5,21 @@
 #include "core/tracing/paraxial_ghost.h"
 
 namespace flare {
-namespace {
-
-Abcd InteractionMatrix(const Interaction& step) {
+Abcd StepMatrix(const Interaction& step, Section section) {
+    const double curvature = step.shape.curvature(section);
     switch (step.kind) {
         case InteractionKind::kStop:
             return {};
         case InteractionKind::kReflect:
-            return Refraction(step.curvature, 1.0, -1.0);
+            return Refraction(curvature, 1.0, -1.0);
         // Refraction depends on n_in / n_out alone, so it holds for both directions of travel.
         case InteractionKind::kRefract:
-            return Refraction(step.curvature, step.n_in, step.n_out);
+            return Refraction(curvature, step.n_in, step.n_out);
     }
     return {};
 }
 
-}  // namespace
-
-ParaxialPath ParaxialPathOf(const InteractionList& list) {
+ParaxialPath ParaxialPathOf(const InteractionList& list, Section section) {
     ParaxialPath path;
     double z = 0.0;
     Abcd so_far;
@@ -38,7 +35,7 @@ ParaxialPath ParaxialPathOf(const InteractionList& list) {
             path.front_to_stop.push_back(so_far);
             since_stop.emplace_back();
         }
-        extend(InteractionMatrix(step));
+        extend(StepMatrix(step, section));
     }
     extend(Drift(list.sensor_z_mm - z));
     path.front_to_sensor = so_far;

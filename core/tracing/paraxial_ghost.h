@@ -17,6 +17,11 @@ struct ParaxialPath {
     std::vector<Abcd> stop_to_sensor;
 };
 
-ParaxialPath ParaxialPathOf(const InteractionList& list);
+// What one interaction does to (height, slope) in a section; slopes are dy/dz against +z whichever
+// way the light travels.
+Abcd StepMatrix(const Interaction& step, Section section);
+
+// In one section; the same in both for a rotational lens.
+ParaxialPath ParaxialPathOf(const InteractionList& list, Section section = Section::kY);
 
 }  // namespace flare

@@ -7,44 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tracing/surface_hit.h"
+
 namespace flare {
 namespace {
-
-struct Hit {
-    bool met = false;
-    double distance = 0.0;       // along the ray, mm
-    Vec3d point{0.0, 0.0, 0.0};  // relative to the vertex
-    double cosine =
-        0.0;  // n . d with n towards the back of the surface; its sign is the crossing's
-    Vec3d normal{0.0, 0.0, 1.0};
-};
-
-// Where the line meets a sphere (or plane) of curvature c with its vertex at the origin. Of the two
-// points it is the one where the line crosses from front to back (forward) or back to front. With
-// p' = p - (p.d) d the nearest point to the vertex, F = c p'.p' - 2 p'_z and G = d_z - c p'.d =
-// d_z: t = F / (G + s sqrt(G^2 - c F)), and n.d = s sqrt(G^2 - c F) without cancellation.
-Hit Meet(double c, bool forward, const Vec3d& p, const Vec3d& d) {
-    Hit hit;
-    const double t0 = -p.dot(d);
-    const Vec3d nearest = p + d * t0;
-    // p'.d vanishes but for rounding; keeping it makes G exact for far origins.
-    const double g = d.z - c * nearest.dot(d);
-    const double f = c * nearest.dot(nearest) - 2.0 * nearest.z;
-    const double discriminant = g * g - c * f;
-    if (!(discriminant >= 0.0)) return hit;
-    const double root = forward ? std::sqrt(discriminant) : -std::sqrt(discriminant);
-    const double denominator = g + root;
-    if (denominator == 0.0) return hit;
-    const double t = f / denominator;
-    hit.distance = t0 + t;
-    hit.point = nearest + d * t;
-    hit.normal = Vec3d(-c * hit.point.x, -c * hit.point.y, 1.0 - c * hit.point.z);
-    // Beyond the equator of the sphere is no lens.
-    if (!(hit.normal.z > 0.0)) return hit;
-    hit.cosine = root;
-    hit.met = std::isfinite(hit.distance);
-    return hit;
-}
 
 class Walk {
   public:
@@ -56,6 +22,7 @@ class Walk {
             record_->rim_ratio2.clear();
             record_->stop_mm.clear();
             record_->points.clear();
+            record_->segment_mm.clear();
         }
     }
 
@@ -74,7 +41,8 @@ class Walk {
     // One interaction; false if the ray ends here, its fate then being set.
     bool Step(const Interaction& step, bool first) {
         const Vec3d local = p_ - Vec3d(0.0, 0.0, step.vertex_z_mm);
-        const Hit hit = Meet(step.curvature, step.forward, local, d_);
+        const SurfaceHit hit =
+            MeetSurface(step.shape, step.semi_diameter_mm, step.forward, local, d_);
         if (!hit.met) return End(RayFate::kMissed);
 
         const double ratio2 = (hit.point.x * hit.point.x + hit.point.y * hit.point.y) /
@@ -102,7 +70,7 @@ class Walk {
         return Refract(step, hit);
     }
 
-    bool PassStop(const Interaction&, const Hit& hit, double ratio2) {
+    bool PassStop(const Interaction&, const SurfaceHit& hit, double ratio2) {
         if (!options_.clip) return true;
         const bool open = options_.iris != nullptr
                               ? options_.iris->Distance(Vec2d(hit.point.x, hit.point.y)) <= 0.0
@@ -112,7 +80,7 @@ class Walk {
 
     // Snell in vectors: the tangential part scales by n_in / n_out. sin^2 comes from that part, not
     // from 1 - cos^2.
-    bool Refract(const Interaction& step, const Hit& hit) {
+    bool Refract(const Interaction& step, const SurfaceHit& hit) {
         const double eta = step.n_in / step.n_out;
         const Vec3d tangential = (d_ - hit.normal * hit.cosine) * eta;
         const double sin2 = tangential.dot(tangential);
@@ -142,10 +110,11 @@ class Walk {
         result_.fate = RayFate::kArrived;
     }
 
-    void Record(const Interaction& step, const Hit& hit, double ratio2) {
+    void Record(const Interaction& step, const SurfaceHit& hit, double ratio2) {
         if (record_ == nullptr) return;
         record_->cos_in.push_back(std::min(1.0, std::abs(hit.cosine)));
         record_->rim_ratio2.push_back(ratio2);
+        record_->segment_mm.push_back(hit.distance);
         if (step.kind == InteractionKind::kStop)
             record_->stop_mm.emplace_back(hit.point.x, hit.point.y);
         if (options_.record_points) {
@@ -178,6 +147,9 @@ double PathWeight(const Lens& lens, const InteractionList& list, const RayRecord
         const Interaction& step = list.steps[i];
         const Reflection r = ReflectionAt(lens, step, record.cos_in[i], list.wavelength_nm);
         weight *= step.kind == InteractionKind::kReflect ? r.reflectance : r.transmittance;
+        if (step.absorption_per_mm > 0.0) {
+            weight *= std::exp(-step.absorption_per_mm * record.segment_mm[i]);
+        }
     }
     return weight;
 }

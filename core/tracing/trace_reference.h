@@ -3,10 +3,7 @@
 // The exact sequential ray tracer in double precision: the truth that every faster tracer is tested
 // against. Pure functions, safe from any thread.
 //
-// Intersection in curvature form from the point of the ray nearest to the vertex: no centre of
-// curvature (which loses all digits for weak surfaces) and no division by d_z (which fails for
-// light beyond 90 degrees). After Welford, Aberrations of Optical Systems, ch. 4;
-// docs/physics/tracing.md.
+// Intersections are those of surface_hit.h; docs/physics/tracing.md.
 #pragma once
 
 #include <vector>
@@ -27,6 +24,7 @@ struct Ray {
 struct RayRecord {
     std::vector<double> cos_in;      // cosine of incidence, 0..1 (1 at the stop: unused)
     std::vector<double> rim_ratio2;  // (distance from the axis / semi-diameter)^2
+    std::vector<double> segment_mm;  // from the interaction before (the first: from the origin)
     std::vector<Vec2d> stop_mm;      // one a stop crossing
     std::vector<Vec3d> points;       // where it met each interaction, filled only if asked
 };
@@ -55,7 +53,8 @@ inline constexpr double kOrderTolerance_mm = 1e-7;
 TraceResult TraceRay(const InteractionList& list, const Ray& ray, const TraceOptions& options,
                      RayRecord* record);
 
-// Product of unpolarised R and T along the path, from the recorded cosines.
+// Product of unpolarised R and T and of what the glass lets through along the path, from the
+// recorded cosines and segments.
 double PathWeight(const Lens& lens, const InteractionList& list, const RayRecord& record);
 
 }  // namespace flare

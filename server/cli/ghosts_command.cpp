@@ -59,15 +59,15 @@ std::string GhostTable(const GhostList& list) {
         const double share =
             list.total_flux_mm2 > 0.0 ? 100.0 * ghost.flux_mm2 / list.total_flux_mm2 : 0.0;
         GhostCrossing largest;
-        if (!ghost.crossings.empty()) {
-            largest = ghost.crossings[static_cast<std::size_t>(ghost.largest_crossing)];
+        if (!ghost.x.crossings.empty()) {
+            largest = ghost.x.crossings[static_cast<std::size_t>(ghost.x.largest_crossing)];
         }
         table.AddRow({std::to_string(++rank), SequenceText(ghost.sequence),
                       Significant(ghost.flux_mm2, 5), Fixed(share, 2),
                       Fixed(ghost.centroid_mm.x, 3), Fixed(ghost.centroid_mm.y, 3),
-                      Significant(ghost.peak_irradiance, 4), std::to_string(ghost.crossings.size()),
-                      Significant(ghost.abcd.a, 5), Significant(largest.m, 5),
-                      Significant(largest.z_eff_mm, 5)});
+                      Significant(ghost.peak_irradiance, 4),
+                      std::to_string(ghost.x.crossings.size()), Significant(ghost.x.abcd.a, 5),
+                      Significant(largest.m, 5), Significant(largest.z_eff_mm, 5)});
     }
     return table.text();
 }

@@ -38,6 +38,16 @@ int List(const LensOptions& options) {
     return Print(table.text());
 }
 
+// One radius, or two where the sections differ.
+std::string RadiusText(const SurfaceShape& shape) {
+    const auto text = [](double curvature) {
+        return curvature == 0.0 ? std::string("flat") : Fixed(1.0 / curvature, 4);
+    };
+    if (shape.flat()) return "";
+    if (shape.rotational()) return text(shape.curvature_x());
+    return text(shape.curvature_x()) + " / " + text(shape.curvature_y());
+}
+
 std::string SurfaceTable(const Lens& lens) {
     Table table({"#", "kind", "radius mm", "gap mm", "nd", "vd", "semi-diameter mm", "coating",
                  "vertex z mm"});
@@ -47,18 +57,13 @@ std::string SurfaceTable(const Lens& lens) {
     for (std::size_t i = 0; i < lens.surfaces().size(); ++i) {
         const SurfacePrescription& file = lens.prescription().surfaces[i];
         const LensSurface& surface = lens.surfaces()[i];
-        const bool bent = surface.curvature != 0.0;
         const double next_z_mm = i + 1 < lens.surfaces().size() ? lens.surfaces()[i + 1].vertex_z_mm
                                                                 : lens.sensor_z_mm();
-        table.AddRow({std::to_string(i),
-                      surface.is_stop() ? "stop"
-                      : bent            ? "sphere"
-                                        : "plane",
-                      bent ? Fixed(1.0 / surface.curvature, 4) : "",
-                      Fixed(next_z_mm - surface.vertex_z_mm, 4), optional(file.nd, 5),
-                      optional(file.vd, 2), Fixed(surface.semi_diameter_mm, 3),
-                      surface.is_stop() ? "" : surface.coating.name,
-                      Fixed(surface.vertex_z_mm, 4)});
+        table.AddRow(
+            {std::to_string(i), std::string(KindName(surface.kind)), RadiusText(surface.shape),
+             Fixed(next_z_mm - surface.vertex_z_mm, 4), optional(file.nd, 5), optional(file.vd, 2),
+             Fixed(surface.semi_diameter_mm, 3), surface.is_stop() ? "" : surface.coating.name,
+             Fixed(surface.vertex_z_mm, 4)});
     }
     return table.text();
 }

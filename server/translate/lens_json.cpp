@@ -9,18 +9,6 @@ namespace {
 
 using wire::JsonWriter;
 
-std::string_view KindName(SurfaceKind kind) {
-    switch (kind) {
-        case SurfaceKind::kSphere:
-            return "sphere";
-        case SurfaceKind::kPlane:
-            return "plane";
-        case SurfaceKind::kStop:
-            return "stop";
-    }
-    return "sphere";
-}
-
 void OptionalMember(JsonWriter& json, std::string_view name, const std::optional<double>& value) {
     if (value) json.Member(name, *value);
 }
@@ -31,12 +19,24 @@ void OptionalMember(JsonWriter& json, std::string_view name, const std::string& 
 // A surface with the keys and values that a lens file has for it.
 void WriteSurface(JsonWriter& json, const SurfacePrescription& surface) {
     json.BeginInlineObject().Member("kind", KindName(surface.kind));
-    if (surface.radius_mm != 0.0) json.Member("radius_mm", surface.radius_mm);
+    const auto radius = [&](std::string_view name, double value) {
+        if (value != 0.0) json.Member(name, value);
+    };
+    radius("radius_mm", surface.radius_mm);
+    radius("radius_x_mm", surface.radius_x_mm);
+    radius("radius_y_mm", surface.radius_y_mm);
+    if (surface.conic != 0.0) json.Member("conic", surface.conic);
+    if (!surface.asphere.empty()) {
+        json.Key("asphere").BeginRow();
+        for (const double a : surface.asphere) json.Value(a);
+        json.End();
+    }
     if (surface.gap_given) json.Member("gap_mm", surface.gap_mm);
     OptionalMember(json, "nd", surface.nd);
     OptionalMember(json, "vd", surface.vd);
     json.Member("semi_diameter_mm", surface.semi_diameter_mm);
     if (surface.coating) json.Member("coating", *surface.coating);
+    if (surface.kind == SurfaceKind::kSensor) json.Member("reflectance", surface.reflectance);
     json.End();
 }
 

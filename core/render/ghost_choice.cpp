@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/ghost_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/base/units.h"
+#include "core/mesh/mesh_builder.h"
+#include "core/mesh/transmission.h"
+#include "core/tracing/paraxial_ghost.h"
+
+namespace flare {
+
+namespace {
+
+// The coarse mesh: good to a fraction of a millimetre, which a peak over a pixel feels only where
+// the ghost is focused; there the cap by flux over a pixel's area holds.
+constexpr int kCells = 16;
+constexpr int kPatchCells = 4;
+constexpr double kPositionTolerance_mm = 0.3;
+constexpr double kMaskTolerance = 0.05;
+constexpr double kCosineTolerance = 1e-2;
+
+// Axial reflectances and transmittances of every surface at the d line.
+class AxialWeights {
+  public:
+    explicit AxialWeights(const Lens& lens) {
+        for (int i = 0; i <= lens.sensor_index(); ++i) {
+            Reflection both{0.0, 1.0};
+            if (i == lens.sensor_index()) {
+                if (lens.sensor()) both.reflectance = lens.sensor()->reflectance;
+            } else if (const auto& s = lens.surfaces()[static_cast<std::size_t>(i)]; !s.is_stop()) {
+                both = ReflectionOf(s.coating, s.dense_in_front, lens.MediumBefore(i).Index(kLineD),
+                                    lens.MediumBehind(i).Index(kLineD), 1.0, kLineD);
+            }
+            at_.push_back(both);
+        }
+    }
+
+    double Of(const InteractionList& list) const {
+        double weight = 1.0;
+        for (const Interaction& step : list.steps) {
+            const Reflection& both = at_[static_cast<std::size_t>(step.surface)];
+            weight *=
+                step.kind == InteractionKind::kReflect ? both.reflectance : both.transmittance;
+        }
+        return weight;
+    }
+
+  private:
+    std::vector<Reflection> at_;
+};
+
+// Half the width of the axial beam from infinity that gets through, by first-order heights.
+double EntranceHeight(const InteractionList& list, Section section, double opening_mm) {
+    double height = std::numeric_limits<double>::infinity();
+    double z = 0.0;
+    Abcd so_far;
+    for (const Interaction& step : list.steps) {
+        so_far = Then(so_far, Drift(step.vertex_z_mm - z));
+        z = step.vertex_z_mm;
+        const double rim = step.kind == InteractionKind::kStop
+                               ? std::min(opening_mm, step.semi_diameter_mm)
+                               : step.semi_diameter_mm;
+        if (std::abs(so_far.a) * height > rim) height = rim / std::abs(so_far.a);
+        so_far = Then(so_far, StepMatrix(step, section));
+    }
+    return height;
+}
+
+GhostEstimate FirstOrderEstimate(const InteractionList& list, double weight, double opening_mm) {
+    const double x = EntranceHeight(list, Section::kX, opening_mm);
+    const double y = EntranceHeight(list, Section::kY, opening_mm);
+    const double magnification = std::abs(ParaxialPathOf(list, Section::kX).front_to_sensor.a *
+                                          ParaxialPathOf(list, Section::kY).front_to_sensor.a);
+    const double area = kPi * x * y;
+    GhostEstimate estimate;
+    estimate.flux_mm2 = weight * area;
+    estimate.peak_irradiance =
+        estimate.flux_mm2 / std::max(area * magnification, kPeakPixel_mm * kPeakPixel_mm);
+    return estimate;
+}
+
+// From the corners of a coarse mesh's cells: their mean weight, the share of them that passes, and
+// the area they span on the sensor.
+class MeshEstimate {
+  public:
+    MeshEstimate(const Lens& lens, const GhostMesh& mesh, const TransmissionTables& tables,
+                 const LightBundle& bundle, const Iris& iris)
+        : lens_(lens),
+          mesh_(mesh),
+          path_(tables.PathOf(lens, mesh.sequence)),
+          bundle_(bundle),
+          iris_(iris) {}
+
+    GhostEstimate Run() {
+        for (const MeshGrid& grid : mesh_.grids) AddGrid(grid);
+        const double pixel = kPeakPixel_mm * kPeakPixel_mm;
+        estimate_.peak_irradiance = std::min(estimate_.peak_irradiance, estimate_.flux_mm2 / pixel);
+        return estimate_;
+    }
+
+  private:
+    void AddGrid(const MeshGrid& grid) {
+        for (int j = 0; j + 1 < grid.nv; ++j) {
+            for (int i = 0; i + 1 < grid.nu; ++i) {
+                if (grid.cells[grid.Cell(i, j)] == CellUse::kUsed) AddCell(grid, i, j);
+            }
+        }
+    }
+
+    void AddCell(const MeshGrid& grid, int i, int j) {
+        const MeshNode& node = grid.nodes.front();
+        const auto stored = static_cast<std::size_t>(mesh_.stored_count());
+        const auto passage = static_cast<std::size_t>(mesh_.passage_count());
+        std::array<Vec2d, 4> place;
+        double light = 0.0;
+        // Around the cell: (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1).
+        for (std::size_t corner = 0; corner < 4; ++corner) {
+            const int a = i + (corner == 1 || corner == 2 ? 1 : 0);
+            const int b = j + (corner >= 2 ? 1 : 0);
+            const std::size_t vertex = grid.Vertex(a, b);
+            const float* const fields = &node.fields[vertex * stored];
+            place[corner] = mesh_.SensorPlace(fields, lens_.sensor_gap_mm());
+            if (!Passes(fields)) continue;
+            passage_.resize(passage);
+            for (std::size_t k = 0; k < passage; ++k) {
+                passage_[k] = static_cast<double>(node.passage[vertex * passage + k]);
+            }
+            light += 0.25 * path_.Weight(0, passage_) *
+                     bundle_.FluxDensity(grid.u0 + a * grid.du, grid.v0 + b * grid.dv);
+        }
+        if (light == 0.0) return;
+        const double flux = light * grid.du * grid.dv;
+        const Vec2d p = place[2] - place[0];
+        const Vec2d q = place[3] - place[1];
+        const double area = 0.5 * std::abs(p.x * q.y - p.y * q.x);
+        estimate_.flux_mm2 += flux;
+        if (area > 0.0) {
+            estimate_.peak_irradiance = std::max(estimate_.peak_irradiance, flux / area);
+        }
+    }
+
+    bool Passes(const float* fields) const {
+        for (int c = 0; c < mesh_.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
+            const double radius =
+                std::hypot(static_cast<double>(fields[f]), static_cast<double>(fields[f + 1]));
+            if (radius > iris_.outer_radius()) return false;
+        }
+        for (int r = 0; r < static_cast<int>(mesh_.rims.size()); ++r) {
+            if (fields[static_cast<std::size_t>(mesh_.rim_field(r))] > 0.0F) return false;
+        }
+        return true;
+    }
+
+    const Lens& lens_;
+    const GhostMesh& mesh_;
+    TransmissionTables::Path path_;
+    const LightBundle& bundle_;
+    const Iris& iris_;
+    GhostEstimate estimate_;
+    std::vector<double> passage_;
+};
+
+}  // namespace
+
+Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& model,
+                                          const Iris& iris, const PlacedLight& light,
+                                          const RenderContext& context) {
+    const std::vector<BounceSequence> all = FourReflectionSequences(lens, model.sensor_reflection);
+    const AxialWeights weights(lens);
+    GhostChoice choice;
+    choice.facts.threshold = model.four_reflection_threshold;
+    choice.facts.sequences = all.size();
+    std::vector<BounceSequence> likely;
+    for (const BounceSequence& sequence : all) {
+        if (context.cancel.cancelled()) break;
+        const InteractionList list = WriteOut(lens, sequence, kLineD);
+        const GhostEstimate estimate =
+            FirstOrderEstimate(list, weights.Of(list), iris.outer_radius());
+        if (estimate.peak_irradiance * kCausticGain >= model.four_reflection_threshold) {
+            likely.push_back(sequence);
+        } else {
+            choice.facts.lost_flux_mm2 += estimate.flux_mm2;
+        }
+    }
+
+    const LightBundle bundle = BundleOf(lens, light);
+    const TransmissionTables tables(lens, {kLineD}, context.threads);
+    std::vector<GhostEstimate> estimates(likely.size());
+    std::vector<std::uint64_t> rays(likely.size());
+    context.threads.For(static_cast<int>(likely.size()), [&](int item) {
+        if (context.cancel.cancelled()) return;
+        const auto n = static_cast<std::size_t>(item);
+        MeshSpec spec;
+        spec.sequence = likely[n];
+        spec.field_rad = light.field_rad;
+        spec.azimuth_rad = light.pose.azimuth_rad;
+        spec.inverse_distance = light.inverse_distance;
+        spec.wavelengths_nm = {kLineD};
+        spec.cells = kCells;
+        spec.patch_cells = kPatchCells;
+        spec.position_tolerance_mm = kPositionTolerance_mm;
+        spec.mask_tolerance = kMaskTolerance;
+        spec.cosine_tolerance = kCosineTolerance;
+        const Result<MeshProvider::Found> found = context.meshes.Get(
+            MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context.cancel);
+        if (!found) return;
+        if (!found->hit) rays[n] = found->mesh->rays_traced;
+        estimates[n] = MeshEstimate(lens, *found->mesh, tables, bundle, iris).Run();
+    });
+    if (context.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
+    for (std::size_t n = 0; n < likely.size(); ++n) {
+        choice.rays_traced += rays[n];
+        if (estimates[n].peak_irradiance >= model.four_reflection_threshold) {
+            choice.sequences.push_back(likely[n]);
+            choice.facts.rendered_flux_mm2 += estimates[n].flux_mm2;
+        } else {
+            choice.facts.lost_flux_mm2 += estimates[n].flux_mm2;
+        }
+    }
+    choice.facts.rendered = choice.sequences.size();
+    return choice;
+}
+
+}  // namespace flare

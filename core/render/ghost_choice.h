@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which bounce sequences a light's picture is made of. All ghosts of two reflections; and those of
+// four whose peak irradiance reaches the request's threshold. Four reflections make thousands of
+// sequences that together hold a few percent of the light of two, but some are focused and outshine
+// most of the others: so they are chosen by peak, never by count, and what is left out is added up.
+//
+// Two steps. First-order optics and the path's axial weight give a peak E = w / |A_x A_y|; since a
+// caustic can raise the real one by two orders of magnitude (measured: docs/physics/tracing.md),
+// sequences are dropped only where it is kCausticGain times below the threshold. The others get a
+// coarse mesh of real rays at the light's own angle, from which peak and flux are estimated.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/optics/iris.h"
+#include "core/render/flare_request.h"
+#include "core/render/lights.h"
+#include "core/render/renderer.h"
+
+namespace flare {
+
+inline constexpr double kCausticGain = 300.0;
+inline constexpr double kPeakPixel_mm = 0.01875;  // over which a peak is a mean
+
+// The light of one ghost for E0 = 1 at the d line, as a coarse mesh tells it.
+struct GhostEstimate {
+    double flux_mm2 = 0.0;         // on the whole sensor plane
+    double peak_irradiance = 0.0;  // largest mean over a pixel of kPeakPixel_mm
+};
+
+struct GhostChoice {
+    std::vector<BounceSequence> sequences;  // of four reflections, in lexical order
+    FourReflectionFacts facts;
+    std::uint64_t rays_traced = 0;
+};
+
+// The sequences of four reflections worth rendering for this light. `iris` limits the stop. Fails
+// with code "cancelled".
+Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& model,
+                                          const Iris& iris, const PlacedLight& light,
+                                          const RenderContext& context);
+
+}  // namespace flare
