@@ -50,7 +50,7 @@ std::vector<LensSurface> LayOut(const Prescription& prescription) {
         }
         to.vertex_z_mm = z;
         to.semi_diameter_mm = from.semi_diameter_mm;
-        if (from.nd.has_value()) to.behind = Glass::FromNdVd(*from.nd, from.vd);
+        to.behind = MediumOf(from).value();
         to.dense_in_front = before.nd() > to.behind.nd();
         to.coating = CoatingFor(prescription, from, before, to.behind);
         before = to.behind;
@@ -169,18 +169,19 @@ const Glass& Lens::MediumBehind(int index) const {
 
 void Lens::Seal() {
     Fingerprinter geometry;
-    geometry.Add("lens geometry 1").Add(static_cast<std::int64_t>(surfaces_.size()));
+    geometry.Add("lens geometry 2").Add(static_cast<std::int64_t>(surfaces_.size()));
     geometry.Add(stop_index_).Add(sensor_z_mm_);
     for (const LensSurface& surface : surfaces_) {
         geometry.Add(static_cast<int>(surface.kind)).Add(surface.curvature);
         geometry.Add(surface.vertex_z_mm).Add(surface.semi_diameter_mm);
-        geometry.Add(surface.behind.cauchy_a()).Add(surface.behind.cauchy_b_nm2());
+        surface.behind.AddDispersionTo(geometry);
     }
     geometry_fingerprint_ = geometry.value();
 
     Fingerprinter whole;
-    whole.Add("lens 1").Add(geometry_fingerprint_);
+    whole.Add("lens 2").Add(geometry_fingerprint_);
     for (const LensSurface& surface : surfaces_) {
+        surface.behind.AddAbsorptionTo(whole);
         whole.Add(static_cast<std::int64_t>(surface.coating.layers.size()));
         for (const CoatingLayer& layer : surface.coating.layers) {
             whole.Add(layer.index.real()).Add(layer.index.imag()).Add(layer.thickness_nm);
