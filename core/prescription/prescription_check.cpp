@@ -127,7 +127,7 @@ class Linter {
                  back.where);
             return;
         }
-        if (front.nd.value_or(1.0) == 1.0) return;
+        if (MediumOf(front).value().is_air()) return;
         const double wide = std::max(front.semi_diameter_mm, back.semi_diameter_mm);
         const auto rim_sag = [&](const SurfacePrescription& surface) {
             const double limit = surface.radius_mm == 0.0 ? wide : std::abs(surface.radius_mm);

@@ -41,8 +41,9 @@ void ReadKind(Fields& fields, const std::string& owner, SurfaceKind& kind) {
 Result<SurfacePrescription> ReadSurface(const DocumentNode& node, std::size_t index, bool last) {
     const std::string owner = SurfaceLabel(index);
     Fields fields(node, owner);
-    fields.Allow({"kind", "radius_mm", "gap_mm", "nd", "vd", "semi_diameter_mm", "coating"},
-                 {"conic", "asphere", "glass", "radius_x_mm", "radius_y_mm"});
+    fields.Allow(
+        {"kind", "radius_mm", "gap_mm", "glass", "nd", "vd", "semi_diameter_mm", "coating"},
+        {"conic", "asphere", "radius_x_mm", "radius_y_mm"});
 
     SurfacePrescription out;
     out.where = node.where;
@@ -50,6 +51,7 @@ Result<SurfacePrescription> ReadSurface(const DocumentNode& node, std::size_t in
     fields.Read("radius_mm", out.radius_mm);
     out.gap_given = fields.Read("gap_mm", out.gap_mm);
     if (!last) fields.Require("gap_mm");
+    if (std::string glass; fields.Read("glass", glass)) out.glass = glass;
     fields.Read("nd", out.nd);
     fields.Read("vd", out.vd);
     fields.Require("semi_diameter_mm");
