@@ -51,7 +51,7 @@ std::vector<LensSurface> LayOut(const Prescription& prescription) {
         if (to.kind == SurfaceKind::kSphere && to.shape.flat()) to.kind = SurfaceKind::kPlane;
         to.vertex_z_mm = z;
         to.semi_diameter_mm = from.semi_diameter_mm;
-        if (from.nd.has_value()) to.behind = Glass::FromNdVd(*from.nd, from.vd);
+        to.behind = MediumOf(from).value();
         to.dense_in_front = before.nd() > to.behind.nd();
         to.coating = CoatingFor(prescription, from, before, to.behind);
         before = to.behind;
@@ -211,7 +211,7 @@ void Lens::Seal() {
         geometry.Add(surface.shape.conic());
         for (const double a : surface.shape.coefficients()) geometry.Add(a);
         geometry.Add(surface.vertex_z_mm).Add(surface.semi_diameter_mm);
-        geometry.Add(surface.behind.cauchy_a()).Add(surface.behind.cauchy_b_nm2());
+        surface.behind.AddDispersionTo(geometry);
     }
     geometry_fingerprint_ = geometry.value();
 
@@ -220,6 +220,7 @@ void Lens::Seal() {
     whole.Add(sensor_ ? sensor_->reflectance : -1.0);
     whole.Add(sensor_ ? sensor_->semi_diameter_mm : 0.0);
     for (const LensSurface& surface : surfaces_) {
+        surface.behind.AddAbsorptionTo(whole);
         whole.Add(static_cast<std::int64_t>(surface.coating.layers.size()));
         for (const CoatingLayer& layer : surface.coating.layers) {
             whole.Add(layer.index.real()).Add(layer.index.imag()).Add(layer.thickness_nm);

@@ -129,11 +129,17 @@ double AxialTransmittance(const Lens& lens, double wavelength_nm) {
     double transmittance = 1.0;
     for (int i = 0; i <= LastIndex(lens); ++i) {
         const LensSurface& surface = lens.surfaces()[static_cast<std::size_t>(i)];
-        if (surface.is_stop()) continue;
-        transmittance *= ReflectionOf(surface.coating, surface.dense_in_front,
-                                      lens.MediumBefore(i).Index(wavelength_nm),
-                                      lens.MediumBehind(i).Index(wavelength_nm), 1.0, wavelength_nm)
-                             .transmittance;
+        if (!surface.is_stop()) {
+            transmittance *=
+                ReflectionOf(surface.coating, surface.dense_in_front,
+                             lens.MediumBefore(i).Index(wavelength_nm),
+                             lens.MediumBehind(i).Index(wavelength_nm), 1.0, wavelength_nm)
+                    .transmittance;
+        }
+        if (i == LastIndex(lens)) break;
+        const double length_mm =
+            lens.surfaces()[static_cast<std::size_t>(i) + 1].vertex_z_mm - surface.vertex_z_mm;
+        transmittance *= std::exp(-length_mm * lens.MediumBehind(i).AbsorptionPerMm(wavelength_nm));
     }
     return transmittance;
 }

@@ -39,8 +39,9 @@ struct SurfacePrescription {
     double gap_mm = 0.0;  // to the next surface; of the last one: to the sensor
     bool gap_given =
         false;  // the last surface may leave it out: the sensor is at the paraxial focus
-    std::optional<double> nd;  // medium behind the surface; absent: air
-    std::optional<double> vd;  // absent: no dispersion
+    std::optional<std::string> glass;  // medium behind the surface, by name (glass_catalogue.h)
+    std::optional<double> nd;          // or by its index; neither: air
+    std::optional<double> vd;          // absent: no dispersion
     double semi_diameter_mm = 0.0;
     std::optional<std::string> coating;  // absent: the lens's default
     double reflectance = 0.0;            // of a sensor, at any angle and wavelength

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "core/optics/coating.h"
+#include "core/optics/glass_catalogue.h"
 #include "core/optics/lens_state.h"
 
 namespace flare {
@@ -20,6 +22,33 @@ std::string NumberText(double value) {
     return text;
 }
 
+Result<Glass> MediumOf(const SurfacePrescription& surface) {
+    const auto fault = [&](const char* code, std::string message) {
+        return Error{code, std::move(message), surface.where};
+    };
+    if (surface.glass.has_value()) {
+        if (surface.nd.has_value() || surface.vd.has_value()) {
+            return fault("glass", "glass is given together with nd or vd");
+        }
+        Result<Glass> named = GlassByName(*surface.glass);
+        if (!named) return fault("glass", named.error().message);
+        return named;
+    }
+    const double nd = surface.nd.value_or(1.0);
+    if (!(nd >= 1.0 && nd <= kMaxNd)) {
+        return fault("index", "the index nd = " + NumberText(nd) + " is not within 1 .. " +
+                                  NumberText(kMaxNd));
+    }
+    if (!surface.vd.has_value()) return Glass::FromNdVd(nd, std::nullopt);
+    if (!surface.nd.has_value()) return fault("index", "vd is given without nd");
+    if (!(*surface.vd >= kMinVd && *surface.vd <= kMaxVd)) {
+        return fault("v_number", "the V-number vd = " + NumberText(*surface.vd) +
+                                     " is not within " + NumberText(kMinVd) + " .. " +
+                                     NumberText(kMaxVd));
+    }
+    return Glass::FromNdVd(nd, surface.vd);
+}
+
 namespace {
 
 // Collects the faults of one prescription.
@@ -30,6 +59,9 @@ class FaultFinder {
     std::vector<PrescriptionFault> Run() {
         const std::size_t count = prescription_.surfaces.size();
         const std::size_t optical = prescription_.optical_count();
+        for (const SurfacePrescription& surface : prescription_.surfaces) {
+            media_.push_back(MediumOf(surface));
+        }
         for (index_ = 0; index_ < count; ++index_) {
             const SurfacePrescription& surface = prescription_.surfaces[index_];
             CheckShape(surface);
@@ -140,7 +172,7 @@ class FaultFinder {
                 "the reflectance " + NumberText(surface.reflectance) + " is not within 0 .. 1");
         }
         if (surface.gap_given) Add("sensor", "behind the sensor there is no gap");
-        if (surface.nd.has_value() || surface.coating.has_value()) {
+        if (surface.nd.has_value() || surface.glass.has_value() || surface.coating.has_value()) {
             Add("sensor", "a sensor has a reflectance, neither glass nor coating");
         }
     }
@@ -157,30 +189,20 @@ class FaultFinder {
     }
 
     void CheckMedium(const SurfacePrescription& surface) {
-        const double nd = surface.nd.value_or(1.0);
-        if (!(nd >= 1.0 && nd <= kMaxNd)) {
-            Add("index",
-                "the index nd = " + NumberText(nd) + " is not within 1 .. " + NumberText(kMaxNd));
+        const Result<Glass>& medium = media_[index_];
+        if (!medium) {
+            Add(medium.error().code.c_str(), medium.error().message);
+        } else if (surface.kind == SurfaceKind::kStop) {
+            CheckStopMedium(*medium);
         }
-        if (surface.vd.has_value() && !surface.nd.has_value()) {
-            Add("index", "vd is given without nd");
-        } else if (surface.vd.has_value() && !(*surface.vd >= kMinVd && *surface.vd <= kMaxVd)) {
-            Add("v_number", "the V-number vd = " + NumberText(*surface.vd) + " is not within " +
-                                NumberText(kMinVd) + " .. " + NumberText(kMaxVd));
-        }
-        if (surface.kind == SurfaceKind::kStop) CheckStopMedium(surface);
     }
 
-    void CheckStopMedium(const SurfacePrescription& stop) {
-        const SurfacePrescription air;
-        const SurfacePrescription& front = index_ == 0 ? air : prescription_.surfaces[index_ - 1];
-        const double nd_front = front.nd.value_or(1.0), nd_behind = stop.nd.value_or(1.0);
-        const bool same_dispersion =
-            nd_behind == 1.0 || front.vd.value_or(0.0) == stop.vd.value_or(0.0);
-        if (nd_front != nd_behind || !same_dispersion) {
-            Add("stop_medium", "the medium behind the stop (nd " + NumberText(nd_behind) +
-                                   ") is not the one in front of it (nd " + NumberText(nd_front) +
-                                   "): a stop does not refract");
+    void CheckStopMedium(const Glass& behind) {
+        const Result<Glass> front = index_ == 0 ? Glass::Air() : media_[index_ - 1];
+        if (front.ok() && !(*front == behind)) {
+            Add("stop_medium", "the medium behind the stop (nd " + NumberText(behind.nd()) +
+                                   ") is not the one in front of it (nd " +
+                                   NumberText(front->nd()) + "): a stop does not refract");
         }
     }
 
@@ -216,13 +238,13 @@ class FaultFinder {
             AddWhole("no_surface", "the lens has no surface but a sensor");
             return;
         }
-        const std::size_t last = prescription_.optical_count() - 1;
-        if (surfaces[last].nd.value_or(1.0) != 1.0) {
+        const std::size_t at = prescription_.optical_count() - 1;
+        if (const Result<Glass>& last = media_[at]; last.ok() && !last->is_air()) {
             AddWhole("last_medium",
-                     SurfaceLabel(last) +
+                     SurfaceLabel(at) +
                          ": behind the last surface there must be air, not glass of nd " +
-                         NumberText(*surfaces[last].nd),
-                     surfaces[last].where);
+                         NumberText(last->nd()),
+                     surfaces[at].where);
         }
         CheckStops();
         for (const StateFault& fault : FindStateFaults(prescription_)) {
@@ -232,11 +254,12 @@ class FaultFinder {
 
     void CheckStops() {
         int stops = 0, refracting = 0;
-        double before = 1.0;
+        Result<Glass> before = Glass::Air();
         for (std::size_t i = 0; i < prescription_.surfaces.size(); ++i) {
             const SurfacePrescription& surface = prescription_.surfaces[i];
-            const double behind = surface.nd.value_or(1.0);
-            if (surface.kind != SurfaceKind::kStop && behind != before) ++refracting;
+            const Result<Glass>& behind = media_[i];
+            const bool same = before.ok() && behind.ok() && *before == *behind;
+            if (surface.kind != SurfaceKind::kStop && !same) ++refracting;
             if (surface.kind == SurfaceKind::kStop && ++stops == 2) {
                 AddWhole("several_stops",
                          SurfaceLabel(i) +
@@ -255,6 +278,7 @@ class FaultFinder {
 
     const Prescription& prescription_;
     std::size_t index_ = 0;
+    std::vector<Result<Glass>> media_;  // behind each surface
     std::vector<PrescriptionFault> faults_;
 };
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/optics/prescription.h"
 
 namespace flare {
@@ -36,6 +37,10 @@ struct PrescriptionFault {
 
 // In the order of the surfaces; then what concerns the whole.
 std::vector<PrescriptionFault> FindFaults(const Prescription& prescription);
+
+// The medium behind a surface. Fails with a fault's code and message, and the surface's place,
+// where its glass, nd and vd make none.
+Result<Glass> MediumOf(const SurfacePrescription& surface);
 
 // "surface 3": how messages name a surface.
 std::string SurfaceLabel(std::size_t index);

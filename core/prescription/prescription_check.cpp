@@ -129,7 +129,7 @@ class Linter {
                  back.where);
             return;
         }
-        if (front.nd.value_or(1.0) == 1.0) return;
+        if (MediumOf(front).value().is_air()) return;
         const double wide = std::max(front.semi_diameter_mm, back.semi_diameter_mm);
         double edge = front.gap_mm;
         for (const Section section : {Section::kX, Section::kY}) {

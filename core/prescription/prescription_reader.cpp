@@ -43,8 +43,8 @@ Result<SurfacePrescription> ReadSurface(const DocumentNode& node, std::size_t in
     const std::string owner = SurfaceLabel(index);
     Fields fields(node, owner);
     fields.Allow({"kind", "radius_mm", "radius_x_mm", "radius_y_mm", "conic", "asphere", "gap_mm",
-                  "nd", "vd", "semi_diameter_mm", "coating", "reflectance"},
-                 {"glass"});
+                  "glass", "nd", "vd", "semi_diameter_mm", "coating", "reflectance"},
+                 {});
 
     SurfacePrescription out;
     out.where = node.where;
@@ -56,6 +56,7 @@ Result<SurfacePrescription> ReadSurface(const DocumentNode& node, std::size_t in
     fields.Read("asphere", out.asphere);
     out.gap_given = fields.Read("gap_mm", out.gap_mm);
     if (!last) fields.Require("gap_mm");
+    if (std::string glass; fields.Read("glass", glass)) out.glass = glass;
     fields.Read("nd", out.nd);
     fields.Read("vd", out.vd);
     fields.Require("semi_diameter_mm");

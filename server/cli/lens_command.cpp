@@ -49,21 +49,23 @@ std::string RadiusText(const SurfaceShape& shape) {
 }
 
 std::string SurfaceTable(const Lens& lens) {
-    Table table({"#", "kind", "radius mm", "gap mm", "nd", "vd", "semi-diameter mm", "coating",
-                 "vertex z mm"});
+    Table table({"#", "kind", "radius mm", "gap mm", "glass", "nd", "vd", "semi-diameter mm",
+                 "coating", "vertex z mm"});
     const auto optional = [](const std::optional<double>& value, int digits) {
         return value ? Fixed(*value, digits) : std::string();
     };
     for (std::size_t i = 0; i < lens.surfaces().size(); ++i) {
         const SurfacePrescription& file = lens.prescription().surfaces[i];
         const LensSurface& surface = lens.surfaces()[i];
+        const std::optional<double> nd = file.glass ? surface.behind.nd() : file.nd;
+        const std::optional<double> vd = file.glass ? surface.behind.vd() : file.vd;
         const double next_z_mm = i + 1 < lens.surfaces().size() ? lens.surfaces()[i + 1].vertex_z_mm
                                                                 : lens.sensor_z_mm();
         table.AddRow(
             {std::to_string(i), std::string(KindName(surface.kind)), RadiusText(surface.shape),
-             Fixed(next_z_mm - surface.vertex_z_mm, 4), optional(file.nd, 5), optional(file.vd, 2),
-             Fixed(surface.semi_diameter_mm, 3), surface.is_stop() ? "" : surface.coating.name,
-             Fixed(surface.vertex_z_mm, 4)});
+             Fixed(next_z_mm - surface.vertex_z_mm, 4), file.glass.value_or(""), optional(nd, 5),
+             optional(vd, 2), Fixed(surface.semi_diameter_mm, 3),
+             surface.is_stop() ? "" : surface.coating.name, Fixed(surface.vertex_z_mm, 4)});
     }
     return table.text();
 }

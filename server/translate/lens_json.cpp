@@ -32,6 +32,7 @@ void WriteSurface(JsonWriter& json, const SurfacePrescription& surface) {
         json.End();
     }
     if (surface.gap_given) json.Member("gap_mm", surface.gap_mm);
+    if (surface.glass) json.Member("glass", *surface.glass);
     OptionalMember(json, "nd", surface.nd);
     OptionalMember(json, "vd", surface.vd);
     json.Member("semi_diameter_mm", surface.semi_diameter_mm);

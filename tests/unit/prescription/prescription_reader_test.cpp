@@ -235,8 +235,6 @@ INSTANTIATE_TEST_SUITE_P(
                               "line 22, column 9", "conic"},
                       BadFile{"aspheric terms", "nd = 1.5", "asphere = [1e-6]", "unsupported",
                               "line 22, column 11", "asphere"},
-                      BadFile{"catalogue glass", "nd = 1.5", "glass = \"N-BK7\"", "unsupported",
-                              "line 22, column 9", "glass"},
                       BadFile{"toroid's radius", "nd = 1.5", "radius_x_mm = 10.0", "unsupported",
                               "line 22, column 15", "radius_x_mm"},
                       BadFile{"states", "[design]", "[states]\n[design]", "unsupported",

@@ -80,6 +80,17 @@ TEST(LensJson, GivesSurfacesThatBuildTheSameLens) {
     EXPECT_EQ((*built)->fingerprint(), seed->fingerprint());
 }
 
+TEST(LensJson, NamesItsGlasses) {
+    Prescription prescription = SeedLens()->prescription();
+    prescription.surfaces[0].glass = "SCHOTT N-LAK8";
+    prescription.surfaces[0].nd = prescription.surfaces[0].vd = std::nullopt;
+    const JsonDocument document = Parsed(LensJson(**Lens::Build(prescription)));
+    const JsonView front = *document.root().Find("surfaces")->FirstChild();
+    EXPECT_EQ(front.Find("glass")->string(), "SCHOTT N-LAK8");
+    EXPECT_FALSE(front.Find("nd").has_value());
+    EXPECT_FALSE(front.NextSibling()->Find("glass").has_value());
+}
+
 TEST(LensListJson, ListsUsableLensesAndBrokenFiles) {
     const auto library = LensLibrary::Load(FLARE_SOURCE_DIR "/lenses");
     ASSERT_TRUE(library);
