@@ -87,8 +87,9 @@ void ReadDesign(Fields& fields, Prescription& out) {
     const DocumentNode* node = fields.Find("design");
     if (node == nullptr) return;
     Fields design(*node, "design");
-    design.Allow(
-        {"focal_mm", "f_number", "image_circle_mm", "focal_tolerance", "f_number_tolerance"}, {});
+    design.Allow({"focal_mm", "f_number", "image_circle_mm", "focal_tolerance",
+                  "f_number_tolerance", "section"},
+                 {});
     design.Read("focal_mm", out.design_focal_mm);
     design.Read("f_number", out.design_f_number);
     design.Read("image_circle_mm", out.design_image_circle_mm);
