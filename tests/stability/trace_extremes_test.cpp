@@ -24,7 +24,7 @@ using testing::Stop;
 
 Interaction Surface(double radius_mm, double n_in, double n_out, bool forward = true) {
     Interaction step;
-    step.curvature = radius_mm == 0.0 ? 0.0 : 1.0 / radius_mm;
+    step.shape = SurfaceShape::Sphere(radius_mm == 0.0 ? 0.0 : 1.0 / radius_mm);
     step.semi_diameter_mm = 1e6;
     step.n_in = n_in;
     step.n_out = n_out;
