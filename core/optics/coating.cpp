@@ -7,8 +7,8 @@
 #include "core/optics/coating.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <complex>
 
 #include "core/base/units.h"
 
@@ -51,24 +51,34 @@ struct Stack {
     const Coating* coating;
     bool reversed;
     double tangential_squared;
-    double wave_number;  // 2 pi / lambda, 1/nm
+    double wavelength_nm;
 };
 
-// Multiplies the characteristic matrices, last layer first, onto the exit medium's vector.
-Field Through(const Stack& stack, Field field, bool p_polarised) {
+// The fields of both polarisations.
+struct Fields {
+    Field s, p;
+};
+
+Field Carried(const ScaledLayer& layer, Complex m12, Complex m21, const Field& field) {
+    return {layer.cosine * field.b + m12 * field.c, m21 * field.b + layer.cosine * field.c,
+            field.log_scale + layer.log_scale};
+}
+
+// Multiplies the characteristic matrices, last layer first, onto the exit medium's vectors.
+Fields Through(const Stack& stack, Fields fields) {
     const auto& layers = stack.coating->layers;
     const Complex minus_i(0.0, -1.0);
     for (std::size_t j = 0; j < layers.size(); ++j) {
         const CoatingLayer& layer = stack.reversed ? layers[j] : layers[layers.size() - 1 - j];
-        const Complex n2 = layer.index * layer.index;
+        const Complex n = layer.material.Index(stack.wavelength_nm);
+        const Complex n2 = n * n;
         const Complex q = NormalComponent(n2, stack.tangential_squared);
-        const ScaledLayer s = ScaleLayer(q, stack.wave_number * layer.thickness_nm);
-        const Complex m12 = minus_i * s.sine_over_q * (p_polarised ? q * q / n2 : Complex(1.0));
-        const Complex m21 = minus_i * s.sine_over_q * (p_polarised ? n2 : q * q);
-        field = {s.cosine * field.b + m12 * field.c, m21 * field.b + s.cosine * field.c,
-                 field.log_scale + s.log_scale};
+        const ScaledLayer m = ScaleLayer(q, 2.0 * kPi / stack.wavelength_nm * layer.thickness_nm);
+        const Complex sine = minus_i * m.sine_over_q;
+        fields.s = Carried(m, sine, sine * (q * q), fields.s);
+        fields.p = Carried(m, sine * (q * q / n2), sine * n2, fields.p);
     }
-    return field;
+    return fields;
 }
 
 // A bare interface, with the difference of the indices taken first: no cancellation however close
@@ -92,29 +102,14 @@ Reflection BareReflection(double n_in, double n_out, double cos_in) {
     return {0.5 * (r_s * r_s + r_p * r_p), 0.5 * (t_s + t_p)};
 }
 
-Coating QuarterWave(std::string name, double index, double design_nm) {
-    return {std::move(name), {{index, design_nm / 4.0 / index}}};
-}
-
 }  // namespace
 
-Result<Coating> CoatingByName(std::string_view name) {
-    if (name == "bare" || name == "none") return Coating{};
-    constexpr std::string_view prefix = "mgf2-";
-    if (name.substr(0, prefix.size()) == prefix) {
-        const std::string_view digits = name.substr(prefix.size());
-        int design_nm = 0;
-        const auto [end, error] =
-            std::from_chars(digits.data(), digits.data() + digits.size(), design_nm);
-        if (error == std::errc() && end == digits.data() + digits.size() && design_nm >= 300 &&
-            design_nm <= 1100) {
-            return QuarterWave(std::string(name), 1.38, design_nm);
-        }
+void Coating::AddTo(Fingerprinter& fingerprinter) const {
+    fingerprinter.Add(static_cast<std::int64_t>(layers.size()));
+    for (const CoatingLayer& layer : layers) {
+        layer.material.AddTo(fingerprinter);
+        fingerprinter.Add(layer.thickness_nm);
     }
-    return Error{"bad_lens",
-                 "unknown coating \"" + std::string(name) +
-                     "\"; known are \"bare\" and \"mgf2-NNN\" with NNN from 300 to 1100 nm",
-                 ""};
 }
 
 Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, double n_out,
@@ -129,18 +124,18 @@ Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, doub
     const double q_in = n_in * c;
     const double tangential_squared = n_in * n_in * (1.0 - c * c);
     const Complex q_out = NormalComponent((n_out - n_in) * (n_out + n_in) + q_in * q_in, 0.0);
-    const Stack stack{&coating, reversed, tangential_squared, 2.0 * kPi / wavelength_nm};
+    const Stack stack{&coating, reversed, tangential_squared, wavelength_nm};
 
-    // s: [B; C] starts as [1; q_out].
-    const Field s = Through(stack, {1.0, q_out, 0.0}, false);
+    const double in2 = n_in * n_in;
+    const double out2 = n_out * n_out;
+    // s: [B; C] starts as [1; q_out]. p: times q_out, as [q_out; n_out^2]; there the entrance side
+    // is multiplied by q_in.
+    const auto [s, p] = Through(stack, {{1.0, q_out, 0.0}, {q_out, out2, 0.0}});
+
     const Complex s_sum = q_in * s.b + s.c;
     const double r_s = std::norm((q_in * s.b - s.c) / s_sum);
     const double t_s = 4.0 * q_in * q_out.real() / std::norm(s_sum) * std::exp(-2.0 * s.log_scale);
 
-    // p: [B; C] times q_out starts as [q_out; n_out^2]; the entrance side is multiplied by q_in.
-    const double in2 = n_in * n_in;
-    const double out2 = n_out * n_out;
-    const Field p = Through(stack, {q_out, out2, 0.0}, true);
     const Complex p_sum = in2 * p.b + q_in * p.c;
     const double r_p = std::norm((in2 * p.b - q_in * p.c) / p_sum);
     const double t_p =

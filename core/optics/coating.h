@@ -5,35 +5,37 @@
 // reflection included.
 #pragma once
 
-#include <complex>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "core/base/result.h"
+#include "core/base/fingerprint.h"
+#include "core/optics/coating_material.h"
 
 namespace flare {
 
 struct CoatingLayer {
-    std::complex<double> index;  // n + i k, k >= 0 absorbs
+    CoatingMaterial material;
     double thickness_nm = 0.0;
+
+    friend bool operator==(const CoatingLayer&, const CoatingLayer&) = default;
 };
 
-// Layers are listed from the medium of lower index (air, as a rule) to that of higher index. An
-// empty list is the bare interface.
+// A stack as it lies on one interface. Layers are listed from the medium of lower index (air, as a
+// rule) to that of higher index. An empty list is the bare interface. What stack a named coating
+// puts on which pair of media is up to its CoatingDesign (coating_design.h).
 struct Coating {
     std::string name = "bare";
     std::vector<CoatingLayer> layers;
+    std::string note;  // where the stack is not quite what its name promises: why
 
     bool bare() const { return layers.empty(); }
+    // What it does to light: the layers, not the name.
+    void AddTo(Fingerprinter& fingerprinter) const;
 };
 
-// Named coatings: "bare" (alias "none"), "mgf2-550" (n 1.38, 99.64 nm: a quarter wave at 550 nm),
-// and "mgf2-NNN": a quarter wave of n 1.38 at NNN nm, 300..1100.
-Result<Coating> CoatingByName(std::string_view name);
-
 // Power fractions for unpolarised light: the mean of s and p. reflectance + transmittance = 1 where
-// nothing absorbs.
+// nothing absorbs. Where something does, the sum is less, the transmittance is still the same from
+// both sides (at conjugate angles) and the reflectance is not.
 struct Reflection {
     double reflectance = 0.0;
     double transmittance = 0.0;

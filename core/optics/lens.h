@@ -16,6 +16,8 @@
 
 namespace flare {
 
+struct CoatingOverride;
+
 struct LensSurface {
     SurfaceKind kind = SurfaceKind::kSphere;
     double curvature = 0.0;  // 1 / radius, 1/mm; 0: plane and stop
@@ -64,6 +66,8 @@ class Lens {
 
     // The same lens with every surface bare ("coatings": "none").
     std::shared_ptr<const Lens> WithBareGlass() const;
+    // The same lens with other coatings (lens_coatings.h).
+    Result<std::shared_ptr<const Lens>> WithCoatings(const CoatingOverride& coatings) const;
 
     // Names everything that bends rays or clips them (shape, glass, rims, sensor), not the
     // coatings: one traced mesh serves every coating.

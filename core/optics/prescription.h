@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/optics/coating_design.h"
 #include "core/optics/glass.h"
 
 namespace flare {
@@ -35,6 +36,7 @@ struct Prescription {
     std::string maker, patent, source, notes;
     std::optional<double> design_focal_mm, design_f_number, design_image_circle_mm;
     std::string default_coating = "bare";
+    CoatingDefinitions coatings;  // the lens's own, found before the built-in ones
     bool fisheye = false;  // `pixel` means where the chief ray lands (interface: projection "lens")
     std::vector<SurfacePrescription> surfaces;
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/prescription/coating_reader.h"
 #include "core/prescription/document_fields.h"
 #include "core/prescription/toml_document.h"
 
@@ -96,6 +97,17 @@ void ReadDesign(Fields& fields, Prescription& out) {
     }
 }
 
+void ReadCoatings(Fields& fields, CoatingDefinitions& out) {
+    const DocumentNode* node = fields.Find("coatings");
+    if (node == nullptr) return;
+    Result<CoatingDefinitions> coatings = ReadCoatingDefinitions(*node);
+    if (coatings.ok()) {
+        out = std::move(*coatings);
+    } else {
+        fields.Fail(coatings.error().message, coatings.error().where, coatings.error().code);
+    }
+}
+
 void ReadSurfaces(Fields& fields, Prescription& out) {
     const DocumentNode* node = fields.Require("surface");
     if (node == nullptr) return;
@@ -126,7 +138,7 @@ void ReadSurfaces(Fields& fields, Prescription& out) {
 Result<Prescription> ReadPrescription(const DocumentNode& root) {
     Fields fields(root, "the lens");
     fields.Allow({"name", "maker", "patent", "source", "notes", "design", "default_coating",
-                  "fisheye", "surface"},
+                  "coatings", "fisheye", "surface"},
                  {"states"});
     Prescription out;
     ReadName(fields, out.name);
@@ -135,6 +147,7 @@ Result<Prescription> ReadPrescription(const DocumentNode& root) {
     fields.Read("source", out.source);
     fields.Read("notes", out.notes);
     fields.Read("default_coating", out.default_coating);
+    ReadCoatings(fields, out.coatings);
     fields.Read("fisheye", out.fisheye);
     ReadDesign(fields, out);
     ReadSurfaces(fields, out);
