@@ -5,6 +5,7 @@
 // reflection included.
 #pragma once
 
+#include <complex>
 #include <string>
 #include <vector>
 
@@ -46,5 +47,25 @@ struct Reflection {
 // `layers`, i.e. comes from the high-index side. At total reflection the transmittance is 0.
 Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, double n_out,
                         double cos_in, double wavelength_nm);
+
+// The same for one wavelength, with the layers' indices looked up once: for many angles. It does
+// not keep the coating.
+class CoatingAtWavelength {
+  public:
+    CoatingAtWavelength(const Coating& coating, double wavelength_nm);
+
+    // As ReflectionOf.
+    Reflection Of(bool reversed, double n_in, double n_out, double cos_in) const;
+    // Then R + T < 1, and R differs from side to side.
+    bool absorbs() const { return absorbs_; }
+
+  private:
+    struct Layer {
+        std::complex<double> index_squared;
+        double k_d = 0.0;  // 2 pi thickness / wavelength
+    };
+    std::vector<Layer> layers_;
+    bool absorbs_ = false;
+};
 
 }  // namespace flare

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -79,22 +80,41 @@ void LayV(const Glass& rare, const Glass& dense, double design_nm, Coating& out)
     out.note = "no two thicknesses make R zero between these media: two quarter waves instead";
 }
 
+// Mean reflectance at normal incidence over the band that is to the design wavelength what 400-700
+// nm is to 550.
+double MeanReflectance(const Coating& coating, const Glass& rare, const Glass& dense,
+                       double design_nm) {
+    constexpr int kSteps = 10;
+    double sum = 0.0;
+    for (int i = 0; i <= kSteps; ++i) {
+        const double wavelength = design_nm * (400.0 + 300.0 * i / kSteps) / 550.0;
+        sum += ReflectionOf(coating, false, rare.Index(wavelength), dense.Index(wavelength), 1.0,
+                            wavelength)
+                   .reflectance;
+    }
+    return sum / (kSteps + 1);
+}
+
 // Quarter, half, quarter: at the design wavelength the half wave is absent and R is that of two
-// quarter waves, zero for n3 = n1 sqrt(ns / n0); of the inner materials the nearest is taken.
+// quarter waves; away from it the half wave flattens the curve. Of the materials for the two inner
+// layers the pair is taken that reflects least on this glass.
 void LayBroadband(const Glass& rare, const Glass& dense, double design_nm, Coating& out) {
-    const CoatingMaterial outer = Material("MgF2");
-    const double wanted =
-        RealIndex(outer, design_nm) * std::sqrt(dense.Index(design_nm) / rare.Index(design_nm));
-    CoatingMaterial inner = Material("Al2O3");
-    for (const char* name : {"HfO2", "Y2O3"}) {
-        const CoatingMaterial other = Material(name);
-        if (std::abs(RealIndex(other, design_nm) - wanted) <
-            std::abs(RealIndex(inner, design_nm) - wanted)) {
-            inner = other;
+    double least = std::numeric_limits<double>::infinity();
+    for (const char* half : {"ZrO2", "HfO2", "Y2O3"}) {
+        for (const char* inner : {"Al2O3", "HfO2", "Y2O3"}) {
+            if (std::string_view(half) == inner) continue;
+            const Coating tried{
+                out.name,
+                {Quarters(Material("MgF2"), 1, design_nm), Quarters(Material(half), 2, design_nm),
+                 Quarters(Material(inner), 1, design_nm)},
+                ""};
+            const double mean = MeanReflectance(tried, rare, dense, design_nm);
+            if (mean < least) {
+                least = mean;
+                out = tried;
+            }
         }
     }
-    out.layers = {Quarters(outer, 1, design_nm), Quarters(Material("ZrO2"), 2, design_nm),
-                  Quarters(inner, 1, design_nm)};
 }
 
 struct Multilayer {
@@ -245,7 +265,10 @@ Result<CoatingDesign> CoatingDesignByName(std::string_view name,
     Result<CoatingDesign> built_in = BuiltInCoating(name);
     if (built_in.ok() || defined.empty()) return built_in;
     std::string own;
-    for (const auto& [key, design] : defined) own += (own.empty() ? "" : ", ") + key;
+    for (const auto& [key, design] : defined) {
+        if (!own.empty()) own += ", ";
+        own += key;
+    }
     return BadCoating(built_in.error().message + ", and of this lens " + own);
 }
 

@@ -7,8 +7,8 @@
 //   mgf2-NNN        a quarter wave of the constant index 1.38 (mgf2-550 is 99.64 nm)
 //   mgf2-disp-NNN   the same of magnesium fluoride with its dispersion
 //   v-NNN           MgF2 over a high-index layer, thicknesses solved so that R is 0 at NNN
-//   broadband-NNN   a quarter wave of MgF2, a half wave of ZrO2, a quarter of the inner layer that
-//                   suits the glass best
+//   broadband-NNN   a quarter wave of MgF2, a half and a quarter wave of the two materials that
+//                   reflect least on the glass
 //   multi-NNN       seven layers, this project's design (lenses/coatings/multilayer.tsv), scaled
 // with NNN, the design wavelength, from 300 to 1100.
 #pragma once

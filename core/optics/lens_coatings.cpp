@@ -13,7 +13,7 @@ std::optional<Error> FaultOf(const CoatingOverride& coatings, const Prescription
                            : Error{"bad_value", design.error().message, where};
     };
     if (coatings.default_coating.has_value()) {
-        if (const auto fault = fault_of_name(*coatings.default_coating, "/default")) return fault;
+        if (auto fault = fault_of_name(*coatings.default_coating, "/default")) return fault;
     }
     for (const auto& [surface, name] : coatings.surfaces) {
         const std::string where = "/surfaces/" + std::to_string(surface);
@@ -31,7 +31,7 @@ std::optional<Error> FaultOf(const CoatingOverride& coatings, const Prescription
                              "coat",
                          where};
         }
-        if (const auto fault = fault_of_name(name, where)) return fault;
+        if (auto fault = fault_of_name(name, where)) return fault;
     }
     return std::nullopt;
 }
