@@ -170,6 +170,7 @@ void AddLensCommands(CLI::App& app, int& exit_code) {
         ->required()
         ->type_name("FILE");
     check->callback([options, &exit_code] { exit_code = Check(*options); });
+    AddLensDraw(*lens, exit_code);
 }
 
 }  // namespace flare::cli
