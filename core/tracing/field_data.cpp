@@ -4,7 +4,7 @@
 // other is sent back from the place where the chief ray lands: radiance is the same all along a
 // ray, so the solid angle in which it leaves the lens gives the irradiance there. The flux through
 // the first beam over the chief ray's d(image) / d(angle) would say the same only without coma,
-// which costs up to 1.5 %. docs/physics/field-data.md.
+// which costs up to 2.5 %. docs/physics/field-data.md.
 #include "core/tracing/field_data.h"
 
 #include <algorithm>
