@@ -9,6 +9,7 @@
 #include "core/prescription/prescription_check.h"
 #include "core/prescription/prescription_reader.h"
 #include "server/cli/app.h"
+#include "server/cli/field_table.h"
 #include "server/cli/files.h"
 #include "server/cli/table.h"
 #include "server/translate/lens_json.h"
@@ -20,6 +21,7 @@ struct LensOptions {
     std::string name;
     std::string lenses;
     bool json = false;
+    bool field = false;
 };
 
 int List(const LensOptions& options) {
@@ -101,7 +103,8 @@ std::string Summary(const Lens& lens) {
 int Show(const LensOptions& options) {
     const auto lens = FindLens(options.name, options.lenses);
     if (!lens) return Complain("", lens.error());
-    if (options.json) return Print(LensJson(**lens));
+    if (options.json) return Print(LensJson(**lens, true));
+    if (options.field) return Print(FieldTables(**lens));
     return Print(Summary(**lens) + "\n" + SurfaceTable(**lens));
 }
 
@@ -161,6 +164,8 @@ void AddLensCommands(CLI::App& app, int& exit_code) {
         ->required()
         ->type_name("NAME");
     show->add_flag("--json", options->json, "JSON instead of a table");
+    show->add_flag("--field", options->field,
+                   "Distortion, illumination and transmittance against field angle instead");
     show->add_option("--lenses", options->lenses, "The folder of lens files")->type_name("DIR");
     show->callback([options, &exit_code] { exit_code = Show(*options); });
 

@@ -3,6 +3,7 @@
 
 #include "core/optics/paraxial.h"
 #include "protocol/codec/json_writer.h"
+#include "server/translate/field_json.h"
 
 namespace flare {
 namespace {
@@ -82,11 +83,12 @@ void WriteFirstOrder(JsonWriter& json, const Lens& lens) {
 
 }  // namespace
 
-std::string LensJson(const Lens& lens) {
+std::string LensJson(const Lens& lens, bool with_field) {
     JsonWriter json(JsonWriter::Style::kPretty);
     json.BeginObject().Member("name", lens.name());
     WriteOrigin(json, lens.prescription());
     WriteFirstOrder(json, lens);
+    if (with_field) WriteField(json, lens);
     json.Key("surfaces").BeginArray();
     for (const SurfacePrescription& surface : lens.prescription().surfaces) {
         WriteSurface(json, surface);

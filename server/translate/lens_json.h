@@ -14,8 +14,10 @@
 
 namespace flare {
 
-// GET /v1/lenses/NAME and `flare lens show NAME --json`.
-std::string LensJson(const Lens& lens);
+// GET /v1/lenses/NAME and, with the field data, whose rays take 0.2 s and more, `flare lens show
+// NAME
+// --json`.
+std::string LensJson(const Lens& lens, bool with_field = false);
 
 // GET /v1/lenses and `flare lens list --json`: {"lenses":[{name, efl_mm, f_number, ...}],
 // "broken":[{name, error}]}.
