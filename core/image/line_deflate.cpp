@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/image/huffman_code.h"
@@ -238,7 +239,10 @@ class LineDeflater::Block {
         : bytes_(bytes), begin_(begin), end_(end), copies_(copies) {
         Count();
         literals_ = MakeHuffmanCode(literal_counts_, kLongestCode);
-        distances_ = MakeHuffmanCode(distance_counts_, kLongestCode);
+        std::vector<std::uint32_t> distance_counts = distance_counts_;
+        // Not every reader takes a block in which no distance has a code.
+        if (copies_.empty()) distance_counts[0] = 1;
+        distances_ = MakeHuffmanCode(std::move(distance_counts), kLongestCode);
         lengths_.emplace(literals_, distances_);
     }
 
@@ -280,8 +284,6 @@ class LineDeflater::Block {
         bytes.Add(bytes_ + at, end_ - at);
         for (std::size_t byte = 0; byte < 256; ++byte) literal_counts_[byte] = bytes.of(byte);
         literal_counts_[kEndOfBlock] = 1;
-        // Not every reader takes a block in which no distance has a code.
-        if (copies_.empty()) distance_counts_[0] = 1;
     }
 
     void WriteLiterals(std::size_t begin, std::size_t end, BitWriter& out) const {

@@ -49,7 +49,8 @@ TEST(MakeHuffmanCode, IsCompleteAndCostsTheLeast) {
     std::mt19937 random(1);
     for (std::size_t symbols = 2; symbols < 287; symbols += 3) {
         std::vector<std::uint32_t> counts(symbols);
-        for (std::uint32_t& count : counts) count = 1 + static_cast<std::uint32_t>(random() % 1000);
+        for (std::uint32_t& count : counts)
+            count = 200 + static_cast<std::uint32_t>(random() % 800);
         counts.push_back(0);
         const HuffmanCode code = MakeHuffmanCode(counts, 15);
         EXPECT_EQ(code.lengths.back(), 0);
