@@ -29,7 +29,7 @@ LIBRARIES = [
     ("nlohmann-json", r"nlohmann/", r"protocol/codec/"),
     ("toml++", r"toml\+\+/", r"core/prescription/toml_document\.cpp|server/config\.cpp"),
     ("Boost", r"boost/", r"server/http/|protocol/client/"),
-    ("OpenEXR", r"(OpenEXR/|Imf|Iex|IlmThread)", r"core/image/exr\.cpp"),
+    ("OpenEXR", r"(OpenEXR/|Imf|Iex|IlmThread)", r"core/image/exr_(header|decode)\.cpp"),
     ("libpng", r"png\.h", r"core/image/preview\.cpp"),
     ("xxHash", r"xxh", r"core/base/fingerprint\.cpp"),
     ("prometheus-cpp", r"prometheus/", r"server/"),
