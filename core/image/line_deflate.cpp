@@ -42,7 +42,7 @@ struct Part {
 constexpr Part PartOf(std::size_t value, int steps_log2) {
     const auto v = static_cast<unsigned>(value);
     if (v < (2u << steps_log2)) return {static_cast<std::uint16_t>(v), 0, 0};
-    const int bits = std::bit_width(v) - 1 - steps_log2;
+    const int bits = static_cast<int>(std::bit_width(v)) - 1 - steps_log2;
     const unsigned step = v >> bits;  // in [2^steps_log2, 2^(steps_log2 + 1))
     return {static_cast<std::uint16_t>((static_cast<unsigned>(bits) << steps_log2) + step),
             static_cast<std::uint16_t>(v & ((1u << bits) - 1)), static_cast<std::uint8_t>(bits)};
@@ -203,7 +203,7 @@ void LineDeflater::FindRuns(const unsigned char* bytes, std::size_t begin, std::
         const std::uint64_t differs = Load64(bytes + i) ^ Load64(bytes + i - 1);
         if (differs != 0) {
             // No run begins at or before the last byte that differs.
-            i += static_cast<std::size_t>(std::bit_width(differs) + 7) / 8;
+            i += (static_cast<std::size_t>(std::bit_width(differs)) + 7) / 8;
             continue;
         }
         const std::size_t length = RunLength(bytes, i, end);

@@ -296,6 +296,7 @@ int main(int argc, char** argv) {
         const auto add = [&](const std::string& name, auto function, auto... arguments) {
             RegisterBenchmark(("encode/" + name + threads).c_str(), function, arguments..., n)
                 ->Unit(milliseconds)
+                ->MeasureProcessCPUTime()
                 ->UseRealTime();
         };
         using flare::ExrCompression;
