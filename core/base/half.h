@@ -3,8 +3,8 @@
 // Float to half precision (IEEE 754 binary16) as every writer of ours does it: rounded to nearest,
 // ties to even, and set to +-65504 where half cannot hold the value, so that Inf never comes out.
 // NaN stays NaN, made quiet, with the upper bits of its payload. Pure functions, same bits on every
-// machine; a line of a picture costs a small part of a nanosecond a value where the processor
-// converts by itself (F16C), ten times that where it does not.
+// machine; about half a nanosecond a value where the processor converts by itself (F16C), several
+// times that where it does not.
 #pragma once
 
 #include <cstddef>

@@ -6,8 +6,10 @@
 #include "core/image/exr.h"
 
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "core/base/check.h"
 #include "core/image/exr_header.h"
