@@ -10,14 +10,11 @@
 #include <ostream>
 
 #include "core/prescription/prescription_check.h"
-#include "tests/support/seed_lens.h"
+#include "tests/support/anamorphic_lens.h"
 #include "tests/support/zoom_lens.h"
 
 namespace flare {
 namespace {
-
-using testing::Sphere;
-using testing::Stop;
 
 Prescription Honest(Prescription lens) {
     lens.source = "a table";
@@ -74,22 +71,8 @@ Prescription HonestAsphere() {
 // x and y as unlike as can be in power, but of one focus: cylinders within an afocal front.
 Prescription HonestAnamorphic() {
     Prescription lens = testing::PlanoConvex();
-    const auto cylinder = [](double radius, double gap, double nd) {
-        SurfacePrescription surface = Sphere(radius, gap, nd, nd == 1.0 ? 0.0 : 60.0, 14.0);
-        surface.kind = SurfaceKind::kCylinderX;
-        return surface;
-    };
-    // -50 mm and 100 mm: the plane sides outwards, thin enough for a closed form (see the test of
-    // the anamorphic pair), 50 mm apart between the principal planes.
-    std::vector<SurfacePrescription> surfaces{Sphere(0.0, 2.0, 1.5, 60.0, 14.0),
-                                              cylinder(25.0, 50.0, 1.0), cylinder(50.0, 4.0, 1.5),
-                                              Sphere(0.0, 1.0, 1.0, 0.0, 14.0)};
-    surfaces.insert(surfaces.end(), lens.surfaces.begin(), lens.surfaces.end());
-    surfaces[5].vd = 60.0;
-    for (std::size_t i = 0; i < surfaces.size(); ++i) {
-        surfaces[i].where = std::string("#").append(std::to_string(i));
-    }
-    lens.surfaces = surfaces;
+    lens.surfaces[1].vd = 60.0;
+    lens = testing::BehindAfocalPair(lens, 1.0, 14.0);
     Prescription honest = Honest(lens);
     const double x = testing::FiguresOf(lens, Section::kX).f_number;
     honest.design_f_number = std::sqrt(x * *honest.design_f_number);
