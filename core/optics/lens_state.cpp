@@ -216,9 +216,9 @@ class StateSetter {
         for (const Section section : kSections) {
             const double f = lens.first_order(section).efl_mm;
             const double s = focus_mm - PrincipalGap(lens, section);
-            const double root = std::sqrt(std::max(0.0, s * (s - 4.0 * f)));
-            // s' - f with s' = (s - root) / 2, written without the difference of large numbers.
-            const double image = 2.0 * s * f / (s + root);
+            // s' = (s - root) / 2, written without the difference, or the square, of large
+            // numbers.
+            const double image = 2.0 * f / (1.0 + std::sqrt(std::max(0.0, 1.0 - 4.0 * f / s)));
             shift += 0.5 * (image - f);
         }
         return shift;
@@ -243,7 +243,9 @@ class StateSetter {
 
 }  // namespace
 
-Result<LensInState> SetState(const std::shared_ptr<const Lens>& base, const LensState& state) {
+Result<LensInState> SetState(const std::shared_ptr<const Lens>& base, const LensState& wanted) {
+    LensState state = wanted;
+    if (state.focus_m && std::isinf(*state.focus_m)) state.focus_m.reset();
     // The lens as it stands needs no new one.
     if (!state.focus_m && !state.zoom_mm) {
         LensInState out;
@@ -265,7 +267,8 @@ class StateFaultFinder {
 
     std::vector<StateFault> Run() {
         if (table_.empty()) {
-            if (!table_.gaps.empty() || !table_.semi_diameters.empty()) {
+            if (!table_.gaps.empty() || !table_.semi_diameters.empty() ||
+                !table_.f_number.empty()) {
                 Add("states needs an axis: focal_mm, focus_m or both", table_.where);
             }
             return std::move(faults_);
@@ -311,7 +314,9 @@ class StateFaultFinder {
             Add("states.f_number has one value for each zoom position", table_.where);
         }
         for (const double n : table_.f_number) {
-            if (!(n > 0.0)) Add("states.f_number must be above 0", table_.where);
+            if (!(n > 0.0 && std::isfinite(n))) {
+                Add("states.f_number must be above 0", table_.where);
+            }
         }
     }
 
@@ -350,7 +355,11 @@ class StateFaultFinder {
         const SurfacePrescription& surface =
             prescription_.surfaces[static_cast<std::size_t>(row.surface)];
         const double own = gap ? surface.gap_mm : surface.semi_diameter_mm;
-        if ((!gap || surface.gap_given) && std::abs(own - row.values.front()) > 1e-9) {
+        if (gap && !surface.gap_given) {
+            Add("states: the values of surface " + std::to_string(row.surface) + " begin with " +
+                    NumberText(row.values.front()) + " mm but the surface itself has none",
+                row.where);
+        } else if (std::abs(own - row.values.front()) > 1e-9) {
             Add("states: the values of surface " + std::to_string(row.surface) + " begin with " +
                     NumberText(row.values.front()) + " mm but the surface itself has " +
                     NumberText(own) + " mm",

@@ -12,7 +12,7 @@
 //
 // A lens without a focus table is focused by moving the sensor (unit focusing): with the distance S
 // = focus - HH' between object and image less that between the principal planes,
-// s' = (S - sqrt(S^2 - 4 f S)) / 2 and the sensor moves by s' - f.
+// s' = (S - sqrt(S^2 - 4 f S)) / 2 and the sensor moves by s' - f. An infinite distance is none.
 #pragma once
 
 #include <memory>
