@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace flare {
 
@@ -36,6 +37,10 @@ Root Solve(double a, double g, double f, bool forward) {
     return root;
 }
 
+bool Finite(const Vec3d& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 SurfaceHit MeetQuadric(double c, double conic, bool forward, const Vec3d& p, const Vec3d& d) {
     SurfaceHit hit;
     const double k1 = 1.0 + conic;
@@ -57,7 +62,7 @@ SurfaceHit MeetQuadric(double c, double conic, bool forward, const Vec3d& p, con
         hit.normal /= length;
         hit.cosine /= length;
     }
-    hit.met = std::isfinite(hit.distance);
+    hit.met = std::isfinite(hit.distance) && Finite(hit.point);
     return hit;
 }
 
@@ -77,7 +82,7 @@ SurfaceHit MeetCylinder(double c, int axis, bool forward, const Vec3d& p, const 
     hit.normal = Vec3d(0.0, 0.0, 1.0 - c * hit.point.z);
     hit.normal[axis] = -c * hit.point[axis];
     hit.cosine = root.crossing;
-    hit.met = hit.normal.z > 0.0 && std::isfinite(hit.distance);
+    hit.met = hit.normal.z > 0.0 && std::isfinite(hit.distance) && Finite(hit.point);
     return hit;
 }
 
@@ -92,7 +97,12 @@ class SagSearch {
   public:
     SagSearch(const SurfaceShape& shape, double semi_diameter_mm, bool forward, const Vec3d& p,
               const Vec3d& d)
-        : shape_(shape), semi_(semi_diameter_mm), forward_(forward), p_(p), d_(d) {}
+        : shape_(shape),
+          semi_(semi_diameter_mm),
+          forward_(forward),
+          t0_(-p.dot(d)),
+          p_(p + d * t0_),
+          d_(d) {}
 
     SurfaceHit Run() {
         double t = StartingPoint();
@@ -106,7 +116,7 @@ class SagSearch {
         const double c = 0.5 * (shape_.curvature_x() + shape_.curvature_y());
         const SurfaceHit near = MeetQuadric(c, shape_.conic(), forward_, p_, d_);
         if (near.met) return near.distance;
-        return d_.z != 0.0 ? -p_.z / d_.z : -p_.dot(d_);
+        return d_.z != 0.0 ? -p_.z / d_.z : 0.0;
     }
 
     Height At(double t) const {
@@ -148,32 +158,52 @@ class SagSearch {
         double lo = 0.0, hi = 0.0;
         if (!Interval(lo, hi)) return false;
         constexpr int kSteps = 128;
-        bool found = false;
-        double best = 0.0;
+        std::optional<double> best;
         double before_t = lo;
-        double before = At(lo).value;
+        Height before = At(lo);
         for (int i = 1; i <= kSteps; ++i) {
             const double now_t = lo + (hi - lo) * i / kSteps;
-            const double now = At(now_t).value;
-            if (forward_ ? before <= 0.0 && now > 0.0 : before >= 0.0 && now < 0.0) {
-                const double root = Bisect(before_t, now_t);
-                if (!found || std::abs(root - t) < std::abs(best - t)) best = root;
-                found = true;
+            const Height now = At(now_t);
+            // A line that grazes the surface crosses it twice within a step: look where it turns.
+            if (before.rate * now.rate < 0.0) {
+                const double turn_t = TurnBetween(before_t, now_t, before.rate > 0.0);
+                const double turn = At(turn_t).value;
+                Consider(before_t, before.value, turn_t, turn, t, best);
+                Consider(turn_t, turn, now_t, now.value, t, best);
+            } else {
+                Consider(before_t, before.value, now_t, now.value, t, best);
             }
             before_t = now_t;
             before = now;
         }
-        if (found) t = best;
-        return found;
+        if (best) t = *best;
+        return best.has_value();
+    }
+
+    // Is there a crossing between these, and is it nearer to t than the best one so far?
+    void Consider(double lo, double at_lo, double hi, double at_hi, double t,
+                  std::optional<double>& best) const {
+        const bool crosses = forward_ ? at_lo <= 0.0 && at_hi > 0.0 : at_lo >= 0.0 && at_hi < 0.0;
+        if (!crosses) return;
+        const double root = Bisect(lo, hi);
+        if (!best || std::abs(root - t) < std::abs(*best - t)) best = root;
+    }
+
+    // Where the height above the surface stops rising (or falling).
+    double TurnBetween(double lo, double hi, bool rises) const {
+        for (int i = 0; i < kHalvings; ++i) {
+            const double mid = 0.5 * (lo + hi);
+            ((At(mid).rate > 0.0) == rises ? lo : hi) = mid;
+        }
+        return 0.5 * (lo + hi);
     }
 
     double Bisect(double lo, double hi) const {
-        const bool rising = forward_;
-        for (;;) {
+        for (int i = 0; i < kHalvings; ++i) {
             const double mid = 0.5 * (lo + hi);
-            if (mid <= lo || mid >= hi) return mid;
-            ((At(mid).value > 0.0) == rising ? hi : lo) = mid;
+            ((At(mid).value > 0.0) == forward_ ? hi : lo) = mid;
         }
+        return 0.5 * (lo + hi);
     }
 
     // The part of the line within a cylinder around the clear aperture, between the planes that
@@ -206,22 +236,24 @@ class SagSearch {
 
     SurfaceHit HitAt(double t) const {
         SurfaceHit hit;
-        hit.distance = t;
+        hit.distance = t0_ + t;
         hit.point = p_ + d_ * t;
         const Vec2d slope = shape_.Slope(hit.point.x, hit.point.y);
         hit.normal = Vec3d(-slope.x, -slope.y, 1.0).normalized();
         hit.cosine = hit.normal.dot(d_);
-        hit.met = std::isfinite(hit.distance) && std::isfinite(hit.cosine);
+        hit.met = std::isfinite(hit.distance) && std::isfinite(hit.cosine) && Finite(hit.point);
         return hit;
     }
 
     static constexpr double kSettled_mm = 1e-12;
+    static constexpr int kHalvings = 80;  // from a step of the search to beyond the last digit
 
     const SurfaceShape& shape_;
     double semi_;
     bool forward_;
-    const Vec3d& p_;
-    const Vec3d& d_;
+    double t0_;  // of the line's point nearest to the vertex, from which t counts here: a far
+    Vec3d p_;    // origin costs no digits
+    Vec3d d_;
 };
 
 }  // namespace

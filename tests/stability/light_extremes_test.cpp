@@ -69,15 +69,17 @@ TEST(ALightExactlyBehind, HasNoPreferredAzimuth) {
 TEST(LightFromBehindTheCamera, ReachesTheSensorOfA220DegreeFisheye) {
     const auto lens = testing::LibraryLens(testing::kFisheyeName);
     double last = 0.0;
-    for (const double field : {10.0, 50.0, 80.0, 89.9, 90.0, 90.1, 92.0, 100.0, 105.0, 109.0}) {
+    for (const double field :
+         {10.0, 50.0, 80.0, 89.9, 90.0, 90.1, 92.0, 95.0, 100.0, 105.0, 109.0}) {
         const auto chief =
             FindChiefRay(*lens, LightBundle(*lens, RadiansFromDegrees(field), 0.0), kLineD);
         ASSERT_TRUE(chief.has_value()) << field;
         const double radius = std::abs(chief->sensor_mm.x);
         EXPECT_GT(radius, last) << field;
         if (field >= 92.0) {
-            EXPECT_GT(radius, 9.5) << field;
-            EXPECT_LT(radius, 11.6) << field;
+            // 9.8 to 11.5 mm, to the tenth; f theta would give 10.1 to 12.0.
+            EXPECT_GE(radius, 9.75) << field;
+            EXPECT_LT(radius, 11.55) << field;
         }
         // Equidistant by design: 6 to 6.4 mm a radian.
         EXPECT_NEAR(radius / RadiansFromDegrees(field), 6.2, 0.4) << field;

@@ -9,6 +9,7 @@
 #include "core/base/units.h"
 #include "core/tracing/paraxial_ghost.h"
 #include "core/tracing/trace_reference.h"
+#include "tests/support/all_kinds_lens.h"
 #include "tests/support/lenses.h"
 #include "tests/support/random.h"
 #include "tests/support/scalar_tracer.h"
@@ -297,9 +298,10 @@ TEST(AnIndexStepOf1e7, ReflectsItsFifteenthOfDecimals) {
 // Whatever numbers a ray is made of, it ends with a fate and finite numbers.
 TEST(WildRays, NeverYieldNaN) {
     testing::Random random(77);
-    for (const char* name : {testing::kSeedName, testing::kFisheyeName}) {
-        const auto lens = testing::LibraryLens(name);
-        const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens);
+    for (const auto& lens :
+         {testing::LibraryLens(testing::kSeedName), testing::LibraryLens(testing::kFisheyeName),
+          BuildLens(testing::AllKindsLens())}) {
+        const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens, true);
         RayRecord record;
         for (int k = 0; k < 20'000; ++k) {
             const BounceSequence& sequence = sequences[static_cast<std::size_t>(
