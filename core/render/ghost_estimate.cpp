@@ -37,6 +37,7 @@ class Estimator {
     GhostEstimate Run() {
         for (const MeshGrid& grid : mesh_.grids) light_.emplace_back(grid.alive.size(), -1.0);
         for (const CellPlace& cell : surface_.cells()) AddCell(cell);
+        if (estimate_.flux_mm2 > 0.0) estimate_.centroid_mm /= estimate_.flux_mm2;
         // However sharply it is focused, no more light falls on a pixel than there is.
         const double pixel = kPeakPixel_mm * kPeakPixel_mm;
         estimate_.peak_irradiance = std::min(estimate_.peak_irradiance, estimate_.flux_mm2 / pixel);
@@ -61,6 +62,8 @@ class Estimator {
         }
         const double flux = light * grid.du * grid.dv;
         estimate_.flux_mm2 += share * flux;
+        estimate_.centroid_mm +=
+            (place[0] + place[1] + place[2] + place[3]) * (0.25 * share * flux);
         const Vec2d p = place[2] - place[0];
         const Vec2d q = place[3] - place[1];
         const double area = 0.5 * std::abs(p.x * q.y - p.y * q.x);

@@ -14,7 +14,8 @@ namespace flare {
 inline constexpr double kPeakPixel_mm = 0.01875;  // over which a peak is a mean
 
 struct GhostEstimate {
-    double flux_mm2 = 0.0;  // on the whole sensor plane, for E0 = 1
+    double flux_mm2 = 0.0;        // on the whole sensor plane, for E0 = 1
+    Vec2d centroid_mm{0.0, 0.0};  // of that light, canonical lens space
     // Largest mean over a pixel of kPeakPixel_mm, as far as the mesh resolves it: near a caustic it
     // is within a factor of a few.
     double peak_irradiance = 0.0;
