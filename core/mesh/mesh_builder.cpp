@@ -16,7 +16,7 @@
 namespace flare {
 namespace {
 
-constexpr int kTracerVersion = 2;  // part of every key: raise when traced values change
+constexpr int kTracerVersion = 3;  // part of every key: raise when traced values change
 
 // Cells beyond the pass region on each side, so that the masks' edges lie inside the grid with
 // neighbours for cubic interpolation.

@@ -26,6 +26,7 @@ constexpr int kCellsU = 32;
 constexpr int kCellsHalf = 16;  // over v >= 0, where the other half is its mirror image
 constexpr int kMaxZooms = 8;
 constexpr int kMaxFollows = 24;
+constexpr int kMaxWidenings = 4;
 constexpr int kFew = 9;  // passing corners of a grid that show a region's outline; fewer do not
 
 struct Corner {
@@ -49,6 +50,7 @@ class Search {
             TraceCorners(area);
             const std::optional<Rect> kept = KeptCells(area);
             if (!kept) return std::nullopt;
+            passing_ = BoxOf(area, 0, [&](int i, int j) { return At(i, j).inside; });
             const double share = Share(*kept, area);
             area = *kept;
             if (share > 0.5) break;
@@ -58,6 +60,9 @@ class Search {
 
     // After Run: next to no ray of the last grid passes.
     bool stalled() const { return CountPassing(list_.steps.size()) < kFew; }
+
+    // The box of the passing corners of Run's last grid; where there are none it is inside out.
+    const Rect& passing() const { return passing_; }
 
     // Zooms on the corners that come deepest, as long as there are enough of them.
     Rect Follow(Rect area) {
@@ -128,7 +133,7 @@ class Search {
         tally_.ray_surfaces += corner.met;
     }
 
-    // The box of the chosen corners, `margin` cells wider on each side. There must be one.
+    // The box of the chosen corners, `margin` cells wider on each side.
     template <class Chosen>
     Rect BoxOf(const Rect& area, int margin, Chosen chosen) {
         int i0 = kCellsU, i1 = 0, j0 = cells_v_, j1 = 0;
@@ -216,7 +221,21 @@ class Search {
     RayColumns rays_;
     TraceColumns traced_;
     std::vector<Corner> corners_;
+    Rect passing_;
 };
+
+// `area`, wider on the sides where the rays that pass reach its border, but within `whole`.
+Rect WiderWhereFull(const Rect& area, const Rect& passing, const Rect& whole) {
+    const double du = 0.25 * (area.u1 - area.u0);
+    const double dv = 0.25 * (area.v1 - area.v0);
+    Rect wider = area;
+    constexpr double kTouch = 1e-6;  // of a step, against rounding
+    if (passing.u0 <= area.u0 + kTouch * du) wider.u0 = std::max(whole.u0, area.u0 - du);
+    if (passing.u1 >= area.u1 - kTouch * du) wider.u1 = std::min(whole.u1, area.u1 + du);
+    if (passing.v0 <= area.v0 + kTouch * dv) wider.v0 = std::max(whole.v0, area.v0 - dv);
+    if (passing.v1 >= area.v1 - kTouch * dv) wider.v1 = std::min(whole.v1, area.v1 + dv);
+    return wider;
+}
 
 // For v >= 0 only where the bundle is symmetric.
 std::optional<Rect> SearchRegion(const InteractionList& list, const LightBundle& bundle,
@@ -225,9 +244,18 @@ std::optional<Rect> SearchRegion(const InteractionList& list, const LightBundle&
     const Rect whole{bundle.centre_u() - half, bundle.centre_u() + half,
                      bundle.mirror_symmetric() ? 0.0 : -half, half};
     Search search(list, bundle, tally);
-    const std::optional<Rect> found = search.Run(whole);
+    std::optional<Rect> found = search.Run(whole);
     if (!found || !search.stalled()) return found;
-    return search.Run(search.Follow(whole));
+    Rect followed = search.Follow(whole);
+    found = search.Run(followed);
+    // The corners that were followed may not have shown all of a region narrower than their steps.
+    for (int widened = 0; widened < kMaxWidenings && found; ++widened) {
+        const Rect wider = WiderWhereFull(followed, search.passing(), whole);
+        if (wider == followed) break;
+        followed = wider;
+        found = search.Run(followed);
+    }
+    return found;
 }
 
 }  // namespace

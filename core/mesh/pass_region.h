@@ -15,6 +15,8 @@ namespace flare {
 
 struct Rect {
     double u0 = 0.0, u1 = 0.0, v0 = 0.0, v1 = 0.0;
+
+    friend bool operator==(const Rect&, const Rect&) = default;
 };
 
 struct PassRegion {

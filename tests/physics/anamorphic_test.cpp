@@ -110,6 +110,7 @@ TEST_P(AnamorphicFlux, IsThatOfCountedRays) {
     spec.azimuth_rad = PoseOf(*lens, RadiansFromDegrees(c.azimuth_deg)).azimuth_rad;
     spec.inverse_distance = c.distance_mm > 0.0 ? 1.0 / c.distance_mm : 0.0;
     spec.wavelengths_nm = {kLineD};
+    spec.cells = 64;  // light reflected by cylinders passes in a slanted strip
     const LightBundle bundle(*lens, spec.field_rad, spec.inverse_distance, spec.azimuth_rad);
     EXPECT_EQ(bundle.mirror_symmetric(), c.azimuth_deg == 0.0 || c.azimuth_deg == 90.0);
     ThreadPool threads(2);
@@ -136,18 +137,23 @@ INSTANTIATE_TEST_SUITE_P(Ghosts, AnamorphicFlux,
                                            Counted{"SkewThreeCrossings", {12, 8}, 4.0, 37.0, 0.0},
                                            Counted{"SkewFold", {10, 6}, 6.0, 61.0, 0.0},
                                            Counted{"SkewCylinders", {2, 1}, 5.0, 37.0, 0.0},
+                                           Counted{"CylindersAlongX", {2, 1}, 5.0, 0.0, 0.0},
                                            Counted{"SkewCylinderToSphere", {8, 2}, 4.0, 25.0, 0.0},
                                            Counted{"CylinderAlongY", {4, 1}, 5.0, 90.0, 0.0},
                                            Counted{"SkewNear", {14, 12}, 5.0, 50.0, 800.0}),
                          [](const auto& test) { return std::string(test.param.name); });
 
+// With few surfaces, so that lists and pictures are quick.
+std::shared_ptr<const Lens> SimpleAnamorphic() {
+    return BuildLens(BehindAfocalPair(testing::PlanoConvex()));
+}
+
 TEST(AnamorphicList, IsTheSameInAllFourQuadrants) {
-    const auto lens = Anamorphic();
+    const auto lens = SimpleAnamorphic();
     Studio studio;
     GhostListOptions options;
-    options.field_deg = 5.0;
+    options.field_deg = 3.0;
     options.with_peaks = false;
-    options.f_number = 5.6;
     const auto at = [&](double azimuth_deg) {
         options.azimuth_deg = azimuth_deg;
         const auto list = RankGhosts(lens, options, studio.Context());
@@ -155,43 +161,41 @@ TEST(AnamorphicList, IsTheSameInAllFourQuadrants) {
         return *list;
     };
     const GhostList first = at(37.0);
+    EXPECT_EQ(first.ghosts.size(), 15U);
     const std::pair<double, Vec2d> mirrors[] = {
         {143.0, {-1.0, 1.0}}, {217.0, {-1.0, -1.0}}, {-37.0, {1.0, -1.0}}};
     for (const auto& [azimuth, sign] : mirrors) {
         const GhostList other = at(azimuth);
         ASSERT_EQ(other.ghosts.size(), first.ghosts.size());
         for (std::size_t i = 0; i < first.ghosts.size(); ++i) {
-            EXPECT_EQ(other.ghosts[i].sequence, first.ghosts[i].sequence);
-            EXPECT_NEAR(other.ghosts[i].flux_mm2, first.ghosts[i].flux_mm2,
-                        1e-6 * first.ghosts[0].flux_mm2);
-            EXPECT_NEAR(other.ghosts[i].centroid_mm.x, sign.x * first.ghosts[i].centroid_mm.x,
-                        1e-5);
-            EXPECT_NEAR(other.ghosts[i].centroid_mm.y, sign.y * first.ghosts[i].centroid_mm.y,
-                        1e-5);
+            const GhostEntry& a = first.ghosts[i];
+            const GhostEntry& b = other.ghosts[i];
+            EXPECT_EQ(b.sequence, a.sequence);
+            EXPECT_NEAR(b.flux_mm2, a.flux_mm2, 1e-6 * first.ghosts[0].flux_mm2);
+            EXPECT_NEAR(b.centroid_mm.x, sign.x * a.centroid_mm.x, 1e-5);
+            EXPECT_NEAR(b.centroid_mm.y, sign.y * a.centroid_mm.y, 1e-5);
         }
     }
     // The sections differ: light along x is not light along y.
-    EXPECT_GT(std::abs(at(0.0).total_flux_mm2 / at(90.0).total_flux_mm2 - 1.0), 0.05);
+    EXPECT_GT(std::abs(at(0.0).total_flux_mm2 / at(90.0).total_flux_mm2 - 1.0), 0.01);
 }
 
 TEST(AnamorphicList, GivesBothSectionsFirstOrderFigures) {
     Studio studio;
-    const auto lens = Anamorphic();
     GhostListOptions options;
     options.with_peaks = false;
-    const auto list = RankGhosts(lens, options, studio.Context());
+    const auto list = RankGhosts(SimpleAnamorphic(), options, studio.Context());
     ASSERT_TRUE(list.ok());
-    int seen = 0;
     for (const GhostEntry& ghost : list->ghosts) {
-        // Ghosts within the lens behind: as wide again in x, since the beam is half as wide.
-        if (ghost.sequence[1] < 4) continue;
-        ++seen;
-        EXPECT_NEAR(ghost.x.abcd.a, 2.0 * ghost.y.abcd.a, 1e-6 * std::abs(ghost.x.abcd.a) + 1e-9);
-        EXPECT_EQ(ghost.x.crossings.size(), ghost.y.crossings.size());
-        EXPECT_NEAR(ghost.x.crossings[0].m, ghost.y.crossings[0].m,
-                    1e-6 * std::abs(ghost.x.crossings[0].m) + 1e-9);
+        // The one ghost within the lens behind: twice as wide in x, as the beam is half as wide.
+        if (ghost.sequence != BounceSequence{6, 5}) continue;
+        EXPECT_NEAR(ghost.x.abcd.a, 2.0 * ghost.y.abcd.a, 1e-9);
+        ASSERT_EQ(ghost.x.crossings.size(), 1U);
+        EXPECT_NEAR(ghost.x.crossings[0].a1, 2.0 * ghost.y.crossings[0].a1, 1e-9);
+        EXPECT_NEAR(ghost.x.crossings[0].m, ghost.y.crossings[0].m, 1e-9);
+        return;
     }
-    EXPECT_EQ(seen, 45);
+    ADD_FAILURE() << "the ghost is not in the list";
 }
 
 // ---- pictures
@@ -221,8 +225,8 @@ FlareImage Flipped(const FlareImage& image, bool left_right, bool up_down) {
 TEST(AnamorphicPicture, OfAMirroredLightIsTheMirroredPicture) {
     Studio studio;
     FlareRequest request = PictureOf(Anamorphic(), 0.0, 0.0);
-    // A hexagon that is symmetric in neither direction by itself would be mirrored as well; its
-    // corner at +y and six sides make it symmetric in both.
+    request.quality = QualityPreset::kDraft;
+    // A hexagon with a corner at +y is its own mirror image in both directions.
     request.iris = {6, 0.0, 0.0};
     const Vec3d d(0.08, 0.06, 0.99);
     request.lights[0].direction = d;
@@ -230,90 +234,76 @@ TEST(AnamorphicPicture, OfAMirroredLightIsTheMirroredPicture) {
     for (const auto& [x, y] : {std::pair(-1.0, 1.0), std::pair(1.0, -1.0), std::pair(-1.0, -1.0)}) {
         request.lights[0].direction = Vec3d(x * d.x, y * d.y, d.z);
         const Rendering other = studio.Shoot(request);
-        EXPECT_LT(RelL1(other.image, Flipped(first.image, x < 0.0, y < 0.0)), 1e-5);
+        EXPECT_LT(RelL1(other.image, Flipped(first.image, x < 0.0, y < 0.0)), 1e-4);
         EXPECT_EQ(other.report.work.rays_traced, 0U) << "one mesh serves all four quadrants";
     }
     EXPECT_GT(RelL1(first.image, Flipped(first.image, true, false)), 0.1);
     EXPECT_GT(RelL1(first.image, Flipped(first.image, false, true)), 0.1);
 }
 
-// An iris that has no symmetry must not be mirrored with the light: against counted rays.
-TEST(AnamorphicPicture, TurnsTheIrisWithNoLight) {
-    const auto lens = Anamorphic()->WithBareGlass();
+// An iris without symmetry must not be mirrored with the light: against counted rays, in lens space
+// itself.
+TEST(AnamorphicPicture, KeepsTheIrisInItsPlace) {
+    const auto lens = SimpleAnamorphic();
     Studio studio;
     for (const double azimuth_deg : {37.0, 143.0, 217.0, 323.0}) {
-        FlareRequest request = PictureOf(lens, 4.0, azimuth_deg);
+        constexpr double kFrame_mm = 10000.0;  // all light lands on it
+        FlareRequest request = testing::SpectralRequest(lens, 11.0, 60, 60);
+        request.quality = QualityPreset::kPreview;
+        request.image.sensor_width_mm = kFrame_mm;
+        request.lights = {LightAt(3.0, azimuth_deg)};
         request.iris = {3, 0.0, 17.0};
-        request.image.width = 60;
-        request.image.height = 40;
-        request.image.sensor_width_mm = 600.0;  // everything lands on it
         const Rendering rendering = studio.Shoot(request);
-        const double pitch = 600.0 / 60.0;
+        const double pitch = kFrame_mm / 60.0;
         const double light = testing::Sum(rendering.image.planes[0]) * pitch * pitch;
 
-        const double stop = StopForFNumber(*lens, 4.0).semi_diameter_mm;
-        const Iris iris(request.iris, stop, 8.55);
-        const double azimuth = RadiansFromDegrees(azimuth_deg);
-        // Rays in lens space itself: the bundle takes any azimuth that is no pose's.
-        const LightBundle bundle(*lens, RadiansFromDegrees(4.0), 0.0, azimuth);
-        double counted = 0.0;
-        for (const BounceSequence& sequence : {BounceSequence{14, 10}, {12, 8}, {14, 12}}) {
-            counted += testing::CountFlux(*lens, bundle, sequence, kLineD, iris, 160,
+        const Iris iris(request.iris, StopForFNumber(*lens, 11.0).semi_diameter_mm, 5.0);
+        const LightBundle bundle(*lens, RadiansFromDegrees(3.0), 0.0,
+                                 RadiansFromDegrees(azimuth_deg));
+        double counted = 0.0, reported = 0.0;
+        for (const GhostFacts& ghost : rendering.report.facts.ghosts) {
+            reported += ghost.flux_mm2;
+            counted += testing::CountFlux(*lens, bundle, ghost.sequence, kLineD, iris, 120,
                                           [](const Vec2d&, double) {})
                            .flux_mm2;
         }
-        double reported = 0.0, all = 0.0;
-        for (const GhostFacts& ghost : rendering.report.facts.ghosts) {
-            all += ghost.flux_mm2;
-            for (const BounceSequence& sequence : {BounceSequence{14, 10}, {12, 8}, {14, 12}}) {
-                if (ghost.sequence == sequence) reported += ghost.flux_mm2;
-            }
-        }
-        EXPECT_NEAR(reported, counted, 0.006 * counted) << azimuth_deg;
-        EXPECT_NEAR(light, all, 0.01 * all) << azimuth_deg;
+        EXPECT_NEAR(light, counted, 0.006 * counted) << azimuth_deg;
+        EXPECT_NEAR(reported, counted, 0.02 * counted) << azimuth_deg;
     }
 }
 
+// The two have meshes of their own, so at any quality the pictures differ by less than that
+// quality's error; at the final one by 0.1 % (preview 0.8 %, reference 0.02 %).
 TEST(AnamorphicPicture, OfALensThatIsAllButRotationalIsTheRotationalOne) {
     Studio studio;
     const auto round = BuildLens(SeedLens());
-    for (const std::size_t index : {std::size_t{0}, std::size_t{6}}) {
-        const auto skew = BuildLens(testing::AllButRotational(SeedLens(), index));
-        ASSERT_FALSE(skew->rotational());
-        for (const double azimuth_deg : {30.0, 75.0, 160.0, 250.0}) {
-            const FlareRequest one = PictureOf(round, 7.0, azimuth_deg);
-            FlareRequest other = one;
-            other.lens = skew;
-            const Rendering a = studio.Shoot(one), b = studio.Shoot(other);
-            EXPECT_LT(RelL1(b.image, a.image), 3e-3) << azimuth_deg;
-            EXPECT_GT(testing::Sum(a.image.planes[0]), 0.0);
-            ASSERT_EQ(a.report.facts.ghosts.size(), b.report.facts.ghosts.size());
-            double most = 0.0;
-            for (const GhostFacts& ghost : a.report.facts.ghosts)
-                most = std::max(most, ghost.flux_mm2);
-            for (std::size_t g = 0; g < a.report.facts.ghosts.size(); ++g) {
-                EXPECT_NEAR(a.report.facts.ghosts[g].flux_mm2, b.report.facts.ghosts[g].flux_mm2,
-                            1e-3 * most);
-            }
-            // The chief ray, found in two dimensions and in one.
-            const Vec2d pa = a.report.facts.lights[0].pixel, pb = b.report.facts.lights[0].pixel;
-            EXPECT_LT((pa - pb).length(), 1e-6);
-        }
-    }
-}
-
-TEST(AnamorphicPicture, NearLightsToo) {
-    Studio studio;
-    FlareRequest one = PictureOf(BuildLens(SeedLens()), 6.0, 200.0);
-    one.lights[0].distance_m = 0.4;
-    FlareRequest other = one;
-    other.lens = BuildLens(testing::AllButRotational(SeedLens(), 0));
-    EXPECT_LT(RelL1(studio.Shoot(other).image, studio.Shoot(one).image), 3e-3);
+    const auto compare = [&](std::size_t index, double field_deg, double azimuth_deg,
+                             std::optional<double> distance_m) {
+        FlareRequest one = PictureOf(round, field_deg, azimuth_deg);
+        one.quality = QualityPreset::kFinal;
+        one.image.width = 160;
+        one.image.height = 100;
+        one.lights[0].distance_m = distance_m;
+        FlareRequest other = one;
+        other.lens = BuildLens(testing::AllButRotational(SeedLens(), index));
+        ASSERT_FALSE(other.lens->rotational());
+        const Rendering a = studio.Shoot(one), b = studio.Shoot(other);
+        EXPECT_GT(testing::Sum(a.image.planes[0]), 0.0);
+        EXPECT_LT(RelL1(b.image, a.image), 2e-3) << azimuth_deg;
+        // The chief ray, found in two dimensions and in one.
+        const Vec2d pa = a.report.facts.lights[0].pixel, pb = b.report.facts.lights[0].pixel;
+        EXPECT_TRUE(b.report.facts.lights[0].chief_ray_arrives);
+        EXPECT_LT((pa - pb).length(), 1e-6);
+    };
+    compare(0, 7.0, 30.0, {});
+    compare(6, 7.0, 250.0, {});
+    compare(10, 3.0, 160.0, 0.4);
 }
 
 TEST(AnamorphicPicture, DesqueezedHasSquarePixelsAndTheSameLight) {
     Studio studio;
-    FlareRequest request = PictureOf(Anamorphic(), 5.0, 205.0);
+    FlareRequest request = PictureOf(SimpleAnamorphic(), 5.0, 205.0);
+    request.f_number = 12.0;
     request.image.width = 240;
     request.image.height = 160;
     request.image.sensor_width_mm = 24.0;
@@ -345,7 +335,6 @@ TEST(AnamorphicPicture, DesqueezedHasSquarePixelsAndTheSameLight) {
         }
     }
     EXPECT_LT(miss, 5e-3 * sum);
-    // A scene direction at equal angles right and up is at equal distances from the middle.
     EXPECT_NEAR(squeezed.report.facts.lights[0].pixel.x, shown.report.facts.lights[0].pixel.x,
                 1e-9);
 }

@@ -10,6 +10,7 @@
 
 #include "core/base/units.h"
 #include "core/mesh/mesh_builder.h"
+#include "core/optics/lens_state.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "core/tracing/trace_reference.h"
 #include "tests/support/lenses.h"
@@ -114,6 +115,71 @@ TEST(GhostSurface, InterpolatesBetweenTracedWavelengths) {
         ++compared;
     }
     EXPECT_GT(compared, 100);
+}
+
+// One mesh, the sensor wherever the focus puts it.
+TEST(GhostSurface, FollowsTheSensorThatIsFocused) {
+    const auto base = testing::BuildLens(testing::SeedLens());
+    const MeshSpec spec = SpecOf({10, 6}, 8.0);
+    const auto mesh = std::make_shared<const GhostMesh>(BuildMesh(*base, spec));
+    for (const double focus_m : {1.0, 0.4}) {
+        const LensInState near = *SetState(base, {focus_m, {}});
+        EXPECT_GT(near.lens->sensor_gap_mm(), base->sensor_gap_mm() + 2.0);
+        EXPECT_EQ(MeshKey(*near.lens, spec), MeshKey(*base, spec));
+        const GhostSurface surface(mesh, near.lens->sensor_gap_mm());
+        const LightBundle bundle(*near.lens, spec.field_rad, 0.0);
+        const InteractionList list = WriteOut(*near.lens, spec.sequence, kLineD);
+        CellSurface out;
+        int compared = 0;
+        for (const CellPlace& cell : surface.cells()) {
+            if (surface.UseOf(cell) != CellUse::kUsed) continue;
+            const MeshGrid& grid = mesh->grids[static_cast<std::size_t>(cell.grid)];
+            surface.Evaluate(cell, {1.0}, 0, 2, out);
+            const TraceResult corner =
+                TraceRay(list, bundle.At(grid.u0 + cell.i * grid.du, grid.v0 + cell.j * grid.dv),
+                         {}, nullptr);
+            if (corner.fate == RayFate::kArrived) {
+                EXPECT_NEAR(out.nets[0][0], corner.sensor_mm.x, 1e-5);
+                EXPECT_NEAR(out.nets[1][0], corner.sensor_mm.y, 1e-5);
+            }
+            const TraceResult middle = TraceRay(
+                list,
+                bundle.At(grid.u0 + (cell.i + 0.5) * grid.du, grid.v0 + (cell.j + 0.5) * grid.dv),
+                {}, nullptr);
+            if (middle.fate != RayFate::kArrived) continue;
+            EXPECT_NEAR(ValueOf(out.nets[0], 0.5, 0.5), middle.sensor_mm.x, 0.01);
+            EXPECT_NEAR(ValueOf(out.nets[1], 0.5, 0.5), middle.sensor_mm.y, 0.01);
+            ++compared;
+        }
+        EXPECT_GT(compared, 200);
+    }
+}
+
+TEST(MeshKey, NamesTheSensorOnlyWhereTheLightIsReflectedThere) {
+    Prescription prescription = testing::SeedLens();
+    SurfacePrescription sensor;
+    sensor.kind = SurfaceKind::kSensor;
+    sensor.reflectance = 0.05;
+    sensor.semi_diameter_mm = 21.6;
+    prescription.surfaces.push_back(sensor);
+    const auto base = testing::BuildLens(prescription);
+    const auto near = SetState(base, {1.0, {}})->lens;
+    const auto plain = testing::BuildLens(testing::SeedLens());
+    prescription.surfaces.back().semi_diameter_mm = 18.0;
+    const auto smaller = testing::BuildLens(prescription);
+    prescription.surfaces.back().reflectance = 0.1;
+    const auto brighter = testing::BuildLens(prescription);
+    const MeshSpec inside = SpecOf({8, 2}, 7.0), mirrored = SpecOf({11, 2}, 7.0);
+    EXPECT_EQ(MeshKey(*near, inside), MeshKey(*base, inside));
+    EXPECT_EQ(MeshKey(*plain, inside), MeshKey(*base, inside));
+    EXPECT_EQ(MeshKey(*smaller, inside), MeshKey(*base, inside));
+    EXPECT_NE(MeshKey(*near, mirrored), MeshKey(*base, mirrored));
+    EXPECT_NE(MeshKey(*smaller, mirrored), MeshKey(*base, mirrored));
+    EXPECT_EQ(MeshKey(*brighter, mirrored), MeshKey(*smaller, mirrored));
+    // And rightly so: the mirrored ghost is another one there.
+    const GhostMesh a = BuildMesh(*base, mirrored), b = BuildMesh(*near, mirrored);
+    ASSERT_FALSE(a.grids.empty());
+    EXPECT_FALSE(a.grids[0].nodes[0].fields == b.grids[0].nodes[0].fields);
 }
 
 TEST(Mesh, IsMirrorSymmetricAboutTheMeridionalPlane) {

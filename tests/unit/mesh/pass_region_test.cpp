@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "tests/support/anamorphic_lens.h"
 #include "tests/support/lenses.h"
 #include "tests/support/random.h"
 
@@ -80,6 +81,36 @@ INSTANTIATE_TEST_SUITE_P(Lenses, PassRegions,
                                            Case{testing::kFisheyeName, 40.0, 0.0, 60.0},
                                            Case{testing::kFisheyeName, 95.0, 0.0, 60.0}),
                          [](const auto& test) { return "Case" + std::to_string(test.index); });
+
+// Light reflected by cylinders passes in narrow strips, across all of v and slanted where nothing
+// is symmetric.
+TEST(PassRegion, HoldsAllRaysOfAnAnamorphicLens) {
+    const auto lens = testing::BuildLens(testing::BehindAfocalPair(testing::SeedLens()));
+    testing::Random random(8);
+    for (const double azimuth_deg : {0.0, 37.0, 90.0}) {
+        const CanonicalPose pose = PoseOf(*lens, RadiansFromDegrees(azimuth_deg));
+        const LightBundle bundle(*lens, RadiansFromDegrees(5.0), 0.0, pose.azimuth_rad);
+        for (const BounceSequence& sequence :
+             {BounceSequence{2, 1}, {3, 1}, {4, 1}, {8, 2}, {14, 10}, {12, 8}}) {
+            const InteractionList list = WriteOut(*lens, sequence, kLineD);
+            const PassRegion region = FindPassRegion({list}, bundle);
+            int passing = 0, outside = 0;
+            for (int k = 0; k < 40000; ++k) {
+                const double h = bundle.half_width();
+                const double u = bundle.centre_u() + random.Uniform(-h, h);
+                const double v = random.Uniform(-h, h);
+                if (TraceRay(list, bundle.At(u, v), {}, nullptr).fate != RayFate::kArrived)
+                    continue;
+                ++passing;
+                const bool inside = region.rect && u >= region.rect->u0 && u <= region.rect->u1 &&
+                                    v >= region.rect->v0 && v <= region.rect->v1;
+                outside += inside ? 0 : 1;
+            }
+            EXPECT_GT(passing, 40) << sequence[0] << "," << sequence[1] << " " << azimuth_deg;
+            EXPECT_EQ(outside, 0) << sequence[0] << "," << sequence[1] << " " << azimuth_deg;
+        }
+    }
+}
 
 TEST(PassRegion, IsEmptyWhereNoRayCanPass) {
     const auto lens = testing::LibraryLens(testing::kTelephotoName);
