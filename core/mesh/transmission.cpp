@@ -2,29 +2,76 @@
 #include "core/mesh/transmission.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace flare {
 namespace {
 
-constexpr double kTableError = 1e-7;
+// Of the table before its last halving, which leaves a sixteenth of it.
+constexpr double kTableError = 1e-6;
 constexpr int kLargestTable = 2048;
 
-// Cubic through four equally spaced points about x, at the ends through the last four.
-double Cubic(const std::vector<double>& values, double x) {
-    const int last = static_cast<int>(values.size()) - 1;
+// Which four equally spaced points a cubic about x goes through (at the ends the last four), and
+// their weights.
+struct CubicWeights {
+    std::size_t first;
+    std::array<double, 4> weights;
+};
+
+CubicWeights CubicAt(std::size_t count, double x) {
+    const int last = static_cast<int>(count) - 1;
     const int i = std::clamp(static_cast<int>(x) - 1, 0, last - 3);
-    const double t = x - i;
-    const double* v = &values[static_cast<std::size_t>(i)];
-    const double a = t, b = t - 1.0, c = t - 2.0, d = t - 3.0;
-    return -v[0] * b * c * d / 6.0 + v[1] * a * c * d / 2.0 - v[2] * a * b * d / 2.0 +
-           v[3] * a * b * c / 6.0;
+    const double a = x - i, b = a - 1.0, c = a - 2.0, d = a - 3.0;
+    return {static_cast<std::size_t>(i),
+            {-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0}};
+}
+
+// T and R from both sides, as in Quantity.
+using Sample = std::array<double, 3>;
+
+bool CubicHolds(const std::vector<Sample>& samples, double x, const Sample& exact) {
+    const CubicWeights cubic = CubicAt(samples.size(), x);
+    for (std::size_t quantity = 0; quantity < exact.size(); ++quantity) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            sum += cubic.weights[k] * samples[cubic.first + k][quantity];
+        }
+        if (!(std::abs(sum - exact[quantity]) < kTableError)) return false;
+    }
+    return true;
+}
+
+// `exact` over c = 0 ... 1, halved until a cubic holds at every midpoint; none if that takes too
+// many points.
+template <class Function>
+std::vector<Sample> Refined(const Function& exact) {
+    std::vector<Sample> samples;
+    for (int i = 0; i <= 16; ++i) samples.push_back(exact(i / 16.0));
+    for (bool good = false; !good;) {
+        const std::size_t count = samples.size() - 1;
+        if (count > kLargestTable) return {};
+        std::vector<Sample> finer(2 * count + 1);
+        good = true;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double x = static_cast<double>(i) + 0.5;
+            finer[2 * i] = samples[i];
+            finer[2 * i + 1] = exact(x / static_cast<double>(count));
+            good = good && CubicHolds(samples, x, finer[2 * i + 1]);
+        }
+        finer.back() = samples.back();
+        samples = std::move(finer);
+    }
+    return samples;
 }
 
 }  // namespace
 
 double TransmissionTables::Table::At(double c) const {
-    return Cubic(values, c * static_cast<double>(values.size() - 1));
+    const CubicWeights cubic = CubicAt(values.size(), c * static_cast<double>(values.size() - 1));
+    const double* const v = &values[cubic.first];
+    const auto& w = cubic.weights;
+    return w[0] * v[0] + w[1] * v[1] + w[2] * v[2] + w[3] * v[3];
 }
 
 std::vector<int> AbsorbingSteps(const Lens& lens, const BounceSequence& sequence) {
@@ -43,54 +90,46 @@ std::vector<int> AbsorbingSteps(const Lens& lens, const BounceSequence& sequence
 TransmissionTables::TransmissionTables(const Lens& lens, std::vector<double> wavelengths_nm,
                                        ThreadPool& threads)
     : wavelengths_nm_(std::move(wavelengths_nm)) {
-    for (const LensSurface& surface : lens.surfaces()) coatings_.push_back(surface.coating);
+    for (const LensSurface& surface : lens.surfaces()) {
+        faces_.push_back({surface.coating, surface.dense_in_front});
+    }
     if (lens.sensor()) sensor_reflectance_ = lens.sensor()->reflectance;
     const std::size_t bands = wavelengths_nm_.size();
-    tables_.resize(coatings_.size() * bands * kQuantities);
-    threads.For(static_cast<int>(coatings_.size() * bands), [&](int item) {
+    tables_.resize(faces_.size() * bands * kQuantities);
+    threads.For(static_cast<int>(faces_.size() * bands), [&](int item) {
         BuildTables(lens, item / static_cast<int>(bands), item % static_cast<int>(bands));
     });
 }
 
 void TransmissionTables::BuildTables(const Lens& lens, int surface, int band) {
     const auto s = static_cast<std::size_t>(surface);
-    if (coatings_[s].bare()) return;
+    const Coating& coating = faces_[s].coating;
+    if (coating.bare()) return;
     const double wavelength = wavelengths_nm_[static_cast<std::size_t>(band)];
     const double before = lens.MediumBefore(surface).Index(wavelength);
     const double behind = lens.MediumBehind(surface).Index(wavelength);
     const double rare = std::min(before, behind);
     const double dense = std::max(before, behind);
-    const auto exact = [&](double c, int quantity) {
-        if (quantity != kReflectanceFromDense) {
-            const Reflection r = ReflectionOf(coatings_[s], false, rare, dense, c, wavelength);
-            return quantity == kTransmittance ? r.transmittance : r.reflectance;
+    // Two glasses may change places away from the d line; the layers stay as they were laid.
+    const bool from_rare_reversed = (before <= behind) == faces_[s].dense_in_front;
+    const CoatingAtWavelength at_wavelength(coating, wavelength);
+    const auto exact = [&](double c) {
+        const Reflection r = at_wavelength.Of(from_rare_reversed, rare, dense, c);
+        Sample sample{r.transmittance, r.reflectance, r.reflectance};
+        if (at_wavelength.absorbs()) {
+            const double ratio = rare / dense;
+            const double cos_dense = std::sqrt(1.0 - ratio * ratio * (1.0 - c * c));
+            sample[kReflectanceFromDense] =
+                at_wavelength.Of(!from_rare_reversed, dense, rare, cos_dense).reflectance;
         }
-        const double ratio = rare / dense;
-        const double cos_dense = std::sqrt(1.0 - ratio * ratio * (1.0 - c * c));
-        return ReflectionOf(coatings_[s], true, dense, rare, cos_dense, wavelength).reflectance;
+        return sample;
     };
-    for (int quantity = 0; quantity < kQuantities; ++quantity) {
-        Table table;
-        for (int i = 0; i <= 16; ++i) table.values.push_back(exact(i / 16.0, quantity));
-        for (bool good = false; !good;) {
-            const std::size_t count = table.values.size() - 1;
-            if (count > kLargestTable) {
-                table.values.clear();
-                break;
-            }
-            std::vector<double> finer(2 * count + 1);
-            good = true;
-            for (std::size_t i = 0; i <= count; ++i) {
-                finer[2 * i] = table.values[i];
-                if (i == count) break;
-                const double c = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-                finer[2 * i + 1] = exact(c, quantity);
-                good = good && std::abs(table.At(c) - finer[2 * i + 1]) < kTableError;
-            }
-            table.values = std::move(finer);
-        }
-        tables_[(s * wavelengths_nm_.size() + static_cast<std::size_t>(band)) * kQuantities +
-                static_cast<std::size_t>(quantity)] = std::move(table);
+    const std::vector<Sample> samples = Refined(exact);
+    for (std::size_t quantity = 0; quantity < kQuantities; ++quantity) {
+        Table& table =
+            tables_[(s * wavelengths_nm_.size() + static_cast<std::size_t>(band)) * kQuantities +
+                    quantity];
+        for (const Sample& sample : samples) table.values.push_back(sample[quantity]);
     }
 }
 
@@ -103,8 +142,8 @@ const TransmissionTables::Table& TransmissionTables::TableOf(int surface, int ba
 }
 
 double TransmissionTables::StepFactor(const Interaction& step, int band, double rare_cos2) const {
-    if (static_cast<std::size_t>(step.surface) == coatings_.size()) return sensor_reflectance_;
-    const bool from_rare = step.n_in <= step.n_out;
+    if (static_cast<std::size_t>(step.surface) == faces_.size()) return sensor_reflectance_;
+    const bool from_rare = step.n_in < step.n_out || (step.n_in == step.n_out && step.forward);
     const bool reflects = step.kind == InteractionKind::kReflect;
     const double c = std::sqrt(std::clamp(rare_cos2, 0.0, 1.0));
     if (rare_cos2 >= 0.0) {
@@ -121,8 +160,9 @@ double TransmissionTables::StepFactor(const Interaction& step, int band, double 
         const double ratio = step.n_out / step.n_in;
         cos_in = std::sqrt(std::clamp(1.0 - ratio * ratio * (1.0 - rare_cos2), 0.0, 1.0));
     }
-    const Coating& coating = coatings_[static_cast<std::size_t>(step.surface)];
-    const Reflection r = ReflectionOf(coating, !from_rare, step.n_in, step.n_out, cos_in,
+    const Face& face = faces_[static_cast<std::size_t>(step.surface)];
+    const bool reversed = step.forward == face.dense_in_front;
+    const Reflection r = ReflectionOf(face.coating, reversed, step.n_in, step.n_out, cos_in,
                                       wavelengths_nm_[static_cast<std::size_t>(band)]);
     return reflects ? r.reflectance : r.transmittance;
 }

@@ -8,8 +8,9 @@
 // passage.
 //
 // Coated surfaces are tabulated over c, each table refined until a cubic through its points is
-// within 1e-7 of the characteristic matrix at every midpoint; where a table would need more than
-// 2048 points the matrix itself is evaluated. Bare surfaces are always evaluated. Immutable once
+// within 1e-7 of the characteristic matrix; where a table would need more than 2048 points the
+// matrix itself is evaluated. Bare surfaces are always evaluated. A surface has one table of T,
+// which is the same both ways, and two of R, which differ where a layer absorbs. Immutable once
 // built, so safe from any thread.
 #pragma once
 
@@ -53,13 +54,18 @@ class TransmissionTables {
         double At(double c) const;
     };
 
+    struct Face {
+        Coating coating;
+        bool dense_in_front = false;  // at the d line, which the order of the layers follows
+    };
+
     void BuildTables(const Lens& lens, int surface, int band);
     const Table& TableOf(int surface, int band, Quantity quantity) const;
     double StepFactor(const Interaction& step, int band, double rare_cos2) const;
 
     std::vector<double> wavelengths_nm_;
-    std::vector<Coating> coatings_;  // by surface
     double sensor_reflectance_ = 0.0;
+    std::vector<Face> faces_;    // by surface
     std::vector<Table> tables_;  // [surface][band][quantity]
 };
 

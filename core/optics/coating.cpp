@@ -7,8 +7,8 @@
 #include "core/optics/coating.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <complex>
 
 #include "core/base/units.h"
 
@@ -31,7 +31,12 @@ struct Field {
     double log_scale = 0.0;
 };
 
-// cos(z) and sin(z)/q with exp(-|Im z|) taken out. z = k q d.
+// The fields of both polarisations.
+struct Fields {
+    Field s, p;
+};
+
+// cos(z) and sin(z)/q with exp(-|Im z|) taken out. z = k q d, Im z >= 0.
 struct ScaledLayer {
     Complex cosine, sine_over_q;
     double log_scale;
@@ -39,36 +44,42 @@ struct ScaledLayer {
 
 ScaledLayer ScaleLayer(Complex q, double k_d) {
     const Complex z = q * k_d;
-    const double decay = std::abs(z.imag());
     if (std::abs(z) < 1e-8) return {1.0, k_d, 0.0};
-    const Complex i(0.0, 1.0);
-    const Complex plus = std::exp(i * z - decay);
-    const Complex minus = std::exp(-i * z - decay);
-    return {0.5 * (plus + minus), (plus - minus) / (2.0 * i) / q, decay};
+    const double decay = z.imag();
+    const Complex turn(std::cos(z.real()), std::sin(z.real()));
+    const Complex plus = std::exp(-2.0 * decay) * turn;  // exp(i z - decay)
+    const Complex minus = std::conj(turn);               // exp(-i z - decay)
+    return {0.5 * (plus + minus), (plus - minus) / (Complex(0.0, 2.0) * q), decay};
 }
 
-struct Stack {
-    const Coating* coating;
-    bool reversed;
-    double tangential_squared;
-    double wave_number;  // 2 pi / lambda, 1/nm
-};
+Field Carried(const ScaledLayer& layer, Complex m12, Complex m21, const Field& field) {
+    return {layer.cosine * field.b + m12 * field.c, m21 * field.b + layer.cosine * field.c,
+            field.log_scale + layer.log_scale};
+}
 
-// Multiplies the characteristic matrices, last layer first, onto the exit medium's vector.
-Field Through(const Stack& stack, Field field, bool p_polarised) {
-    const auto& layers = stack.coating->layers;
-    const Complex minus_i(0.0, -1.0);
-    for (std::size_t j = 0; j < layers.size(); ++j) {
-        const CoatingLayer& layer = stack.reversed ? layers[j] : layers[layers.size() - 1 - j];
-        const Complex n2 = layer.index * layer.index;
-        const Complex q = NormalComponent(n2, stack.tangential_squared);
-        const ScaledLayer s = ScaleLayer(q, stack.wave_number * layer.thickness_nm);
-        const Complex m12 = minus_i * s.sine_over_q * (p_polarised ? q * q / n2 : Complex(1.0));
-        const Complex m21 = minus_i * s.sine_over_q * (p_polarised ? n2 : q * q);
-        field = {s.cosine * field.b + m12 * field.c, m21 * field.b + s.cosine * field.c,
-                 field.log_scale + s.log_scale};
-    }
-    return field;
+// Multiplies one layer's characteristic matrices onto the fields.
+void Carry(Complex n2, double k_d, double tangential_squared, Fields& fields) {
+    const Complex q = NormalComponent(n2, tangential_squared);
+    const ScaledLayer m = ScaleLayer(q, k_d);
+    const Complex sine = Complex(0.0, -1.0) * m.sine_over_q;
+    fields.s = Carried(m, sine, sine * (q * q), fields.s);
+    fields.p = Carried(m, sine * (q * q / n2), sine * n2, fields.p);
+}
+
+// The same where the wave is an ordinary one: real on the diagonal, imaginary (-i m12, -i m21) off
+// it. Most layers at most angles, and several times as fast.
+void CarryReal(double n2, double k_d, double tangential_squared, Fields& fields) {
+    const double q2 = n2 - tangential_squared;
+    const double q = std::sqrt(q2);
+    const double z = q * k_d;
+    const double cosine = std::cos(z);
+    const double sine_over_q = z < 1e-8 ? k_d : std::sin(z) / q;
+    const auto carried = [cosine](double m12, double m21, const Field& f) {
+        return Field{cosine * f.b + Complex(m12 * f.c.imag(), -m12 * f.c.real()),
+                     cosine * f.c + Complex(m21 * f.b.imag(), -m21 * f.b.real()), f.log_scale};
+    };
+    fields.s = carried(sine_over_q, sine_over_q * q2, fields.s);
+    fields.p = carried(sine_over_q * (q2 / n2), sine_over_q * n2, fields.p);
 }
 
 // A bare interface, with the difference of the indices taken first: no cancellation however close
@@ -92,35 +103,28 @@ Reflection BareReflection(double n_in, double n_out, double cos_in) {
     return {0.5 * (r_s * r_s + r_p * r_p), 0.5 * (t_s + t_p)};
 }
 
-Coating QuarterWave(std::string name, double index, double design_nm) {
-    return {std::move(name), {{index, design_nm / 4.0 / index}}};
-}
-
 }  // namespace
 
-Result<Coating> CoatingByName(std::string_view name) {
-    if (name == "bare" || name == "none") return Coating{};
-    constexpr std::string_view prefix = "mgf2-";
-    if (name.substr(0, prefix.size()) == prefix) {
-        const std::string_view digits = name.substr(prefix.size());
-        int design_nm = 0;
-        const auto [end, error] =
-            std::from_chars(digits.data(), digits.data() + digits.size(), design_nm);
-        if (error == std::errc() && end == digits.data() + digits.size() && design_nm >= 300 &&
-            design_nm <= 1100) {
-            return QuarterWave(std::string(name), 1.38, design_nm);
-        }
+void Coating::AddTo(Fingerprinter& fingerprinter) const {
+    fingerprinter.Add(static_cast<std::int64_t>(layers.size()));
+    for (const CoatingLayer& layer : layers) {
+        layer.material.AddTo(fingerprinter);
+        fingerprinter.Add(layer.thickness_nm);
     }
-    return Error{"bad_lens",
-                 "unknown coating \"" + std::string(name) +
-                     "\"; known are \"bare\" and \"mgf2-NNN\" with NNN from 300 to 1100 nm",
-                 ""};
 }
 
-Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, double n_out,
-                        double cos_in, double wavelength_nm) {
+CoatingAtWavelength::CoatingAtWavelength(const Coating& coating, double wavelength_nm) {
+    layers_.reserve(coating.layers.size());
+    for (const CoatingLayer& layer : coating.layers) {
+        const Complex n = layer.material.Index(wavelength_nm);
+        layers_.push_back({n * n, 2.0 * kPi / wavelength_nm * layer.thickness_nm});
+        absorbs_ = absorbs_ || n.imag() != 0.0;
+    }
+}
+
+Reflection CoatingAtWavelength::Of(bool reversed, double n_in, double n_out, double cos_in) const {
     const double c = std::clamp(cos_in, 0.0, 1.0);
-    if (coating.bare()) {
+    if (layers_.empty()) {
         if (n_in == n_out) return {0.0, 1.0};
         return BareReflection(n_in, n_out, c);
     }
@@ -129,24 +133,38 @@ Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, doub
     const double q_in = n_in * c;
     const double tangential_squared = n_in * n_in * (1.0 - c * c);
     const Complex q_out = NormalComponent((n_out - n_in) * (n_out + n_in) + q_in * q_in, 0.0);
-    const Stack stack{&coating, reversed, tangential_squared, 2.0 * kPi / wavelength_nm};
 
-    // s: [B; C] starts as [1; q_out].
-    const Field s = Through(stack, {1.0, q_out, 0.0}, false);
+    const double in2 = n_in * n_in;
+    const double out2 = n_out * n_out;
+    // s: [B; C] starts as [1; q_out]. p: times q_out, as [q_out; n_out^2]; there the entrance side
+    // is multiplied by q_in. The layer next to the exit comes first.
+    Fields fields{{1.0, q_out, 0.0}, {q_out, out2, 0.0}};
+    for (std::size_t j = 0; j < layers_.size(); ++j) {
+        const Layer& layer = reversed ? layers_[j] : layers_[layers_.size() - 1 - j];
+        const double real = layer.index_squared.real();
+        if (layer.index_squared.imag() == 0.0 && real > tangential_squared) {
+            CarryReal(real, layer.k_d, tangential_squared, fields);
+        } else {
+            Carry(layer.index_squared, layer.k_d, tangential_squared, fields);
+        }
+    }
+
+    const auto& [s, p] = fields;
     const Complex s_sum = q_in * s.b + s.c;
     const double r_s = std::norm((q_in * s.b - s.c) / s_sum);
     const double t_s = 4.0 * q_in * q_out.real() / std::norm(s_sum) * std::exp(-2.0 * s.log_scale);
 
-    // p: [B; C] times q_out starts as [q_out; n_out^2]; the entrance side is multiplied by q_in.
-    const double in2 = n_in * n_in;
-    const double out2 = n_out * n_out;
-    const Field p = Through(stack, {q_out, out2, 0.0}, true);
     const Complex p_sum = in2 * p.b + q_in * p.c;
     const double r_p = std::norm((in2 * p.b - q_in * p.c) / p_sum);
     const double t_p =
         4.0 * in2 * q_in * out2 * q_out.real() / std::norm(p_sum) * std::exp(-2.0 * p.log_scale);
 
     return {0.5 * (r_s + r_p), 0.5 * (t_s + t_p)};
+}
+
+Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, double n_out,
+                        double cos_in, double wavelength_nm) {
+    return CoatingAtWavelength(coating, wavelength_nm).Of(reversed, n_in, n_out, cos_in);
 }
 
 }  // namespace flare

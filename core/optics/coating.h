@@ -7,33 +7,36 @@
 
 #include <complex>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "core/base/result.h"
+#include "core/base/fingerprint.h"
+#include "core/optics/coating_material.h"
 
 namespace flare {
 
 struct CoatingLayer {
-    std::complex<double> index;  // n + i k, k >= 0 absorbs
+    CoatingMaterial material;
     double thickness_nm = 0.0;
+
+    friend bool operator==(const CoatingLayer&, const CoatingLayer&) = default;
 };
 
-// Layers are listed from the medium of lower index (air, as a rule) to that of higher index. An
-// empty list is the bare interface.
+// A stack as it lies on one interface. Layers are listed from the medium of lower index (air, as a
+// rule) to that of higher index. An empty list is the bare interface. What stack a named coating
+// puts on which pair of media is up to its CoatingDesign (coating_design.h).
 struct Coating {
     std::string name = "bare";
     std::vector<CoatingLayer> layers;
+    std::string note;  // where the stack is not quite what its name promises: why
 
     bool bare() const { return layers.empty(); }
+    // What it does to light: the layers, not the name.
+    void AddTo(Fingerprinter& fingerprinter) const;
 };
 
-// Named coatings: "bare" (alias "none"), "mgf2-550" (n 1.38, 99.64 nm: a quarter wave at 550 nm),
-// and "mgf2-NNN": a quarter wave of n 1.38 at NNN nm, 300..1100.
-Result<Coating> CoatingByName(std::string_view name);
-
 // Power fractions for unpolarised light: the mean of s and p. reflectance + transmittance = 1 where
-// nothing absorbs.
+// nothing absorbs. Where something does, the sum is less, the transmittance is still the same from
+// both sides (at conjugate angles) and the reflectance is not.
 struct Reflection {
     double reflectance = 0.0;
     double transmittance = 0.0;
@@ -44,5 +47,25 @@ struct Reflection {
 // `layers`, i.e. comes from the high-index side. At total reflection the transmittance is 0.
 Reflection ReflectionOf(const Coating& coating, bool reversed, double n_in, double n_out,
                         double cos_in, double wavelength_nm);
+
+// The same for one wavelength, with the layers' indices looked up once: for many angles. It does
+// not keep the coating.
+class CoatingAtWavelength {
+  public:
+    CoatingAtWavelength(const Coating& coating, double wavelength_nm);
+
+    // As ReflectionOf.
+    Reflection Of(bool reversed, double n_in, double n_out, double cos_in) const;
+    // Then R + T < 1, and R differs from side to side.
+    bool absorbs() const { return absorbs_; }
+
+  private:
+    struct Layer {
+        std::complex<double> index_squared;
+        double k_d = 0.0;  // 2 pi thickness / wavelength
+    };
+    std::vector<Layer> layers_;
+    bool absorbs_ = false;
+};
 
 }  // namespace flare

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/optics/lens_coatings.h"
 #include "core/optics/paraxial.h"
 #include "core/optics/prescription_faults.h"
 
@@ -25,16 +26,6 @@ constexpr double kMinStopA1 = 1e-9;
 
 Error BadLens(const std::string& message, const std::string& where = "") {
     return {"bad_lens", message, where};
-}
-
-// The coating of a surface: its own, else the lens's default where air meets glass. There is
-// nothing to coat between equal media and at the stop.
-Coating CoatingFor(const Prescription& prescription, const SurfacePrescription& surface,
-                   const Glass& before, const Glass& behind) {
-    if (surface.kind == SurfaceKind::kStop || before.nd() == behind.nd()) return {};
-    if (surface.coating.has_value()) return CoatingByName(*surface.coating).value();
-    if (before.is_air() == behind.is_air()) return {};
-    return CoatingByName(prescription.default_coating).value();
 }
 
 std::vector<LensSurface> LayOut(const Prescription& prescription) {
@@ -222,15 +213,12 @@ void Lens::Seal() {
     geometry_fingerprint_ = geometry.value();
 
     Fingerprinter whole;
-    whole.Add("lens 2").Add(geometry_fingerprint_).Add(sensor_z_mm_);
+    whole.Add("lens 3").Add(geometry_fingerprint_).Add(sensor_z_mm_);
     whole.Add(sensor_ ? sensor_->reflectance : -1.0);
     whole.Add(sensor_ ? sensor_->semi_diameter_mm : 0.0);
     for (const LensSurface& surface : surfaces_) {
         surface.behind.AddAbsorptionTo(whole);
-        whole.Add(static_cast<std::int64_t>(surface.coating.layers.size()));
-        for (const CoatingLayer& layer : surface.coating.layers) {
-            whole.Add(layer.index.real()).Add(layer.index.imag()).Add(layer.thickness_nm);
-        }
+        surface.coating.AddTo(whole);
     }
     fingerprint_ = whole.value();
 }

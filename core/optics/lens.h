@@ -19,6 +19,8 @@
 
 namespace flare {
 
+struct CoatingOverride;
+
 struct LensSurface {
     SurfaceKind kind = SurfaceKind::kSphere;
     SurfaceShape shape;
@@ -98,6 +100,8 @@ class Lens {
 
     // The same lens with every surface bare ("coatings": "none").
     std::shared_ptr<const Lens> WithBareGlass() const;
+    // The same lens with other coatings (lens_coatings.h).
+    Result<std::shared_ptr<const Lens>> WithCoatings(const CoatingOverride& coatings) const;
 
     // Names everything that bends rays or clips them up to the last surface (shape, glass, rims),
     // not the coatings: one traced mesh serves every coating and every place of the sensor.

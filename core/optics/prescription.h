@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/optics/coating_design.h"
 #include "core/optics/glass.h"
 #include "core/optics/surface_shape.h"
 
@@ -89,6 +90,7 @@ struct Prescription {
     Section design_section = Section::kY;  // that design_focal_mm speaks of
     std::optional<int> year;
     std::string default_coating = "bare";
+    CoatingDefinitions coatings;  // the lens's own, found before the built-in ones
     bool fisheye = false;  // `pixel` means where the chief ray lands (interface: projection "lens")
     std::vector<SurfacePrescription> surfaces;
     StateTable states;

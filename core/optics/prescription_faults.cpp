@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/optics/coating.h"
+#include "core/optics/coating_design.h"
 #include "core/optics/glass_catalogue.h"
 #include "core/optics/lens_state.h"
 
@@ -210,7 +210,9 @@ class FaultFinder {
         if (!surface.coating.has_value()) return;
         if (surface.kind == SurfaceKind::kStop) {
             Add("coating", "a stop has nothing to coat");
-        } else if (const Result<Coating> coating = CoatingByName(*surface.coating); !coating) {
+        } else if (const Result<CoatingDesign> coating =
+                       CoatingDesignByName(*surface.coating, prescription_.coatings);
+                   !coating) {
             Add("coating", coating.error().message);
         }
     }
@@ -230,7 +232,8 @@ class FaultFinder {
                                           " surfaces; the limit is " +
                                           std::to_string(kMaxSurfaces));
         }
-        if (const Result<Coating> coating = CoatingByName(prescription_.default_coating);
+        if (const Result<CoatingDesign> coating =
+                CoatingDesignByName(prescription_.default_coating, prescription_.coatings);
             !coating) {
             AddWhole("coating", "default_coating: " + coating.error().message);
         }

@@ -173,11 +173,12 @@ class Linter {
 
         const LensSurface& stop = lens.surfaces()[static_cast<std::size_t>(lens.stop_index())];
         const AxialBeam beam = WorkingBeam(lens, stop.semi_diameter_mm);
-        const double lost = 1.0 - beam.entrance_diameter_mm / first_order.entrance.diameter_mm;
+        const double passed = std::sqrt(lens.first_order(Section::kX).entrance.diameter_mm *
+                                        first_order.entrance.diameter_mm);
+        const double lost = 1.0 - beam.entrance_diameter_mm / passed;
         if (lost > kRimWarning) {
             Warn("rim", "rims cut the axial beam to " + NumberText(beam.entrance_diameter_mm) +
-                            " mm where the stop would pass " +
-                            NumberText(first_order.entrance.diameter_mm) + " mm (" +
+                            " mm where the stop would pass " + NumberText(passed) + " mm (" +
                             NumberText(100.0 * lost) + " % less)");
         }
 

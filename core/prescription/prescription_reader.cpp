@@ -10,6 +10,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/prescription/coating_reader.h"
 #include "core/prescription/document_fields.h"
 #include "core/prescription/states_reader.h"
 #include "core/prescription/toml_document.h"
@@ -136,6 +137,17 @@ void ReadYear(Fields& fields, std::optional<int>& year) {
     year = static_cast<int>(value);
 }
 
+void ReadCoatings(Fields& fields, CoatingDefinitions& out) {
+    const DocumentNode* node = fields.Find("coatings");
+    if (node == nullptr) return;
+    Result<CoatingDefinitions> coatings = ReadCoatingDefinitions(*node);
+    if (coatings.ok()) {
+        out = std::move(*coatings);
+    } else {
+        fields.Fail(coatings.error().message, coatings.error().where, coatings.error().code);
+    }
+}
+
 void ReadSurfaces(Fields& fields, Prescription& out) {
     const DocumentNode* node = fields.Require("surface");
     if (node == nullptr) return;
@@ -169,7 +181,7 @@ void ReadSurfaces(Fields& fields, Prescription& out) {
 Result<Prescription> ReadPrescription(const DocumentNode& root) {
     Fields fields(root, "the lens");
     fields.Allow({"name", "maker", "patent", "source", "notes", "design", "default_coating",
-                  "fisheye", "year", "surface", "states"},
+                  "coatings", "fisheye", "year", "surface", "states"},
                  {});
     Prescription out;
     ReadName(fields, out.name);
@@ -178,6 +190,7 @@ Result<Prescription> ReadPrescription(const DocumentNode& root) {
     fields.Read("source", out.source);
     fields.Read("notes", out.notes);
     fields.Read("default_coating", out.default_coating);
+    ReadCoatings(fields, out.coatings);
     fields.Read("fisheye", out.fisheye);
     ReadYear(fields, out.year);
     ReadDesign(fields, out);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/quality.h"
 
+#include <algorithm>
+
+#include "core/spectrum/spectrum.h"
+
 namespace flare {
 
 QualitySettings SettingsOf(QualityPreset preset) {
@@ -15,6 +19,18 @@ QualitySettings SettingsOf(QualityPreset preset) {
             return {128, 8, 0.003, 0.001, 4, 81, 0.75, 128, 1e-4, {0.02, 0.01, 0.5, 24.0, 0.015}};
     }
     return {};
+}
+
+int ColourBandsFor(const Lens& lens, const QualitySettings& settings) {
+    std::size_t layers = 0;
+    for (const LensSurface& surface : lens.surfaces()) {
+        layers = std::max(layers, surface.coating.layers.size());
+    }
+    constexpr int kAll = kSpectrumSamples;
+    const int bands = settings.colour_bands;
+    if (layers <= 1 || bands >= kAll) return bands;
+    return layers <= 3 ? std::max(21, std::min(41, bands + 10))
+                       : std::max(31, std::min(61, bands + 20));
 }
 
 }  // namespace flare

@@ -60,7 +60,7 @@ class Job {
                   spectral_
                       ? request.wavelengths_nm
                       : EvenInWavelength(kSpectrumFirst_nm, SampleWavelength(kSpectrumSamples - 1),
-                                         settings_.colour_bands),
+                                         ColourBandsFor(lens_, settings_)),
                   context.threads),
           flux_wavelength_nm_(spectral_ ? request.wavelengths_nm.front() : kLineD),
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),

@@ -71,9 +71,8 @@ Reflection ReflectionAt(const Lens& lens, const Interaction& step, double cos_in
     if (step.kind == InteractionKind::kStop) return {0.0, 1.0};
     if (step.surface == lens.sensor_index()) return {lens.sensor()->reflectance, 0.0};
     const LensSurface& surface = lens.surfaces()[static_cast<std::size_t>(step.surface)];
-    const bool from_high_index = step.n_in > step.n_out;
-    return ReflectionOf(surface.coating, from_high_index, step.n_in, step.n_out, cos_in,
-                        wavelength_nm);
+    const bool reversed = step.forward == surface.dense_in_front;
+    return ReflectionOf(surface.coating, reversed, step.n_in, step.n_out, cos_in, wavelength_nm);
 }
 
 }  // namespace flare

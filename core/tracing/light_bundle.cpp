@@ -48,12 +48,18 @@ LightBundle::LightBundle(const Lens& lens, double field_rad, double inverse_dist
     travel_ = {s * cos_azimuth_, s * sin_azimuth_, c};
     e1_ = {c * cos_azimuth_, c * sin_azimuth_, -s};
     e2_ = {-sin_azimuth_, cos_azimuth_, 0.0};
+    to_front_ = -pupil_.dot(travel_);
     BoundFrontCap(lens);
 }
 
 Ray LightBundle::At(double u, double v) const {
     const Vec3d across = e1_ * u + e2_ * v;
     return {pupil_ + across, (travel_ + across * inverse_distance_).normalized()};
+}
+
+Ray LightBundle::AtFront(double u, double v) const {
+    const Ray ray = At(u, v);
+    return {ray.origin + ray.direction * to_front_, ray.direction};
 }
 
 double LightBundle::FluxDensity(double u, double v) const {

@@ -34,6 +34,8 @@ class LightBundle {
                 double azimuth_rad = 0.0);
 
     Ray At(double u, double v) const;
+    // The same line, its origin moved along it to near the front vertex: for tracers in floats.
+    Ray AtFront(double u, double v) const;
 
     // Flux through the ray's surroundings per du dv, for E0 = 1 at the pupil's centre perpendicular
     // to the beam: 1 for light from infinity, (D / r)^3 for a point at distance D (inverse square
@@ -63,6 +65,7 @@ class LightBundle {
     double cos_azimuth_ = 1.0, sin_azimuth_ = 0.0;
     bool mirror_symmetric_ = true;
     Vec3d pupil_, travel_, e1_, e2_;
+    double to_front_ = 0.0;  // along travel_ from the pupil's centre to abreast of vertex 0
     double centre_u_ = 0.0, half_width_ = 0.0;
 };
 

@@ -127,7 +127,7 @@ TEST_P(GhostFluxByCounting, IsTheMeshesFlux) {
     ThreadPool threads(2);
     const TransmissionTables tables(*lens, {kLineD}, threads);
     const auto surface = std::make_shared<const GhostSurface>(
-        std::make_shared<const GhostMesh>(BuildMesh(*lens, spec)));
+        std::make_shared<const GhostMesh>(BuildMesh(*lens, spec)), lens->sensor_gap_mm());
     const GhostFlux flux = FluxOf(surface, bundle, *lens, tables, iris, {});
 
     const CountedFlux counted = testing::CountFlux(*lens, bundle, c.sequence, kLineD, iris, 320,

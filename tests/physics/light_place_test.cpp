@@ -163,7 +163,7 @@ TEST(PixelAndDirection, OfALensProjectionMeetAtTheChiefRay) {
             const std::optional<ChiefRay> chief = FindChiefRay(*request.lens, bundle, kLineD);
             ASSERT_TRUE(chief.has_value());
             const Vec2d landed =
-                MapOf(request.image, light->azimuth_rad).Pixel(chief->sensor_mm.x, 0.0);
+                MapOf(request, light->pose).Pixel(chief->sensor_mm.x, chief->sensor_mm.y);
             EXPECT_NEAR(landed.x, pixel.x, 1e-6);
             EXPECT_NEAR(landed.y, pixel.y, 1e-6);
         }

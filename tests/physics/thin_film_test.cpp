@@ -8,7 +8,7 @@
 #include <complex>
 
 #include "core/base/units.h"
-#include "core/optics/coating.h"
+#include "core/optics/coating_design.h"
 #include "core/optics/paraxial.h"
 #include "core/tracing/trace_reference.h"
 #include "tests/support/lenses.h"
@@ -20,11 +20,11 @@ namespace {
 using Complex = std::complex<double>;
 
 Coating Layers(std::vector<CoatingLayer> layers) {
-    return {"test", std::move(layers)};
+    return {"test", std::move(layers), ""};
 }
 
 Coating Mgf2() {
-    return *CoatingByName("mgf2-550");
+    return BuiltInCoating("mgf2-550")->For(Glass::Air(), Glass::FromNdVd(1.67, {}));
 }
 
 // Fresnel from the textbook, with real cosines.
@@ -46,7 +46,7 @@ double RecursiveReflectance(const std::vector<CoatingLayer>& in_order, double n_
                             double cos_in, double wavelength_nm) {
     const double tangential = n_in * n_in * (1.0 - cos_in * cos_in);
     std::vector<Complex> index{n_in};
-    for (const CoatingLayer& layer : in_order) index.push_back(layer.index);
+    for (const CoatingLayer& layer : in_order) index.push_back(layer.material.Index(wavelength_nm));
     index.emplace_back(n_out);
     const auto normal = [&](Complex n) {
         const Complex q = std::sqrt(n * n - tangential);

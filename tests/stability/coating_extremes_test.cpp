@@ -7,7 +7,7 @@
 #include <complex>
 
 #include "core/base/units.h"
-#include "core/optics/coating.h"
+#include "core/optics/coating_design.h"
 #include "tests/support/random.h"
 
 namespace flare {
@@ -16,7 +16,7 @@ namespace {
 using Complex = std::complex<double>;
 
 Coating Layers(std::vector<CoatingLayer> layers) {
-    return {"test", std::move(layers)};
+    return {"test", std::move(layers), ""};
 }
 
 TEST(AHundredLayers, ConserveLightAtEveryAngle) {
@@ -108,8 +108,9 @@ TEST(AnEvanescentLayer, LetsLightTunnelAsFrustratedTotalReflection) {
 TEST(GrazingLightOnACoating, IsReflectedWhole) {
     for (const double c : {1e-3, 1e-8, 1e-16, 1e-300, 0.0}) {
         for (const bool reversed : {false, true}) {
-            const Reflection r = ReflectionOf(*CoatingByName("mgf2-550"), reversed,
-                                              reversed ? 1.6 : 1.0, reversed ? 1.0 : 1.6, c, 550.0);
+            const Reflection r = ReflectionOf(
+                BuiltInCoating("mgf2-550")->For(Glass::Air(), Glass::FromNdVd(1.6, {})), reversed,
+                reversed ? 1.6 : 1.0, reversed ? 1.0 : 1.6, c, 550.0);
             ASSERT_TRUE(std::isfinite(r.reflectance) && std::isfinite(r.transmittance)) << c;
             EXPECT_GT(r.reflectance, 0.97);
             EXPECT_LE(r.reflectance + r.transmittance, 1.0 + 1e-12);
@@ -120,11 +121,11 @@ TEST(GrazingLightOnACoating, IsReflectedWhole) {
 TEST(CoatingNames, ThatAreNotOnesAreRefused) {
     for (const char* name : {"", "mgf2", "mgf2-", "mgf2-299", "mgf2-1101", "mgf2-5e2", "mgf2-550x",
                              "MGF2-550", "mgf2--550", "mgf2-99999999999"}) {
-        EXPECT_FALSE(CoatingByName(name).ok()) << name;
+        EXPECT_FALSE(BuiltInCoating(name).ok()) << name;
     }
-    EXPECT_TRUE(CoatingByName("mgf2-300").ok());
-    EXPECT_TRUE(CoatingByName("mgf2-1100").ok());
-    EXPECT_TRUE(CoatingByName("none")->bare());
+    EXPECT_TRUE(BuiltInCoating("mgf2-300").ok());
+    EXPECT_TRUE(BuiltInCoating("mgf2-1100").ok());
+    EXPECT_TRUE(BuiltInCoating("none")->layers().empty());
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ using testing::Stop;
 
 Interaction Surface(double radius_mm, double n_in, double n_out, bool forward = true) {
     Interaction step;
-    step.curvature = radius_mm == 0.0 ? 0.0 : 1.0 / radius_mm;
+    step.shape = SurfaceShape::Sphere(radius_mm == 0.0 ? 0.0 : 1.0 / radius_mm);
     step.semi_diameter_mm = 1e6;
     step.n_in = n_in;
     step.n_out = n_out;
@@ -92,7 +92,7 @@ TEST(AGrazingRay, LosesItsTransmittanceSmoothlyToNothing) {
 
 // Row 3.
 TEST(IncidenceNear90Degrees, ReflectsAllAndLosesNothing) {
-    const Coating coating = *CoatingByName("mgf2-550");
+    const Coating coating = BuiltInCoating("mgf2-550")->For(Glass::Air(), Glass::FromNdVd(1.5, {}));
     for (const Coating& c : {Coating{}, coating}) {
         for (double angle = 89.9; angle < 90.0; angle += 0.01) {
             const double cosine = std::cos(RadiansFromDegrees(angle));
@@ -142,7 +142,7 @@ TEST(TotalReflection, EndsATransmittedRayAndKeepsAReflectedOneWhole) {
     back.vertex_z_mm = -2.0;
     const TraceResult kept = TraceRay(ListOf({mirror, back}, 10.0), ray, {}, &record);
     EXPECT_EQ(kept.fate, RayFate::kArrived);
-    const Coating quarter = *CoatingByName("mgf2-550");
+    const Coating quarter = BuiltInCoating("mgf2-550")->For(Glass::Air(), Glass::FromNdVd(1.5, {}));
     for (const Coating& coating : {Coating{}, quarter}) {
         const Reflection r = ReflectionOf(coating, true, 1.5, 1.0, record.cos_in.at(0), 550.0);
         EXPECT_NEAR(r.reflectance, 1.0, 1e-14);

@@ -49,7 +49,7 @@ TEST(GhostSurface, LiesWithinTheToleranceOfExactRays) {
     for (const BounceSequence& sequence : {BounceSequence{10, 6}, {8, 4}, {2, 0}, {6, 2}, {9, 1}}) {
         const MeshSpec spec = SpecOf(sequence, 8.0);
         const auto mesh = std::make_shared<const GhostMesh>(BuildMesh(*lens, spec));
-        const GhostSurface surface(mesh);
+        const GhostSurface surface(mesh, lens->sensor_gap_mm());
         ASSERT_FALSE(surface.cells().empty());
         const LightBundle bundle(*lens, spec.field_rad, 0.0);
         const InteractionList list = WriteOut(*lens, sequence, kLineD);
@@ -95,7 +95,7 @@ TEST(GhostSurface, InterpolatesBetweenTracedWavelengths) {
     MeshSpec spec = SpecOf({10, 8}, 5.0);
     spec.wavelengths_nm = ChebyshevNodes(390.0, 730.0, 3);
     const auto mesh = std::make_shared<const GhostMesh>(BuildMesh(*lens, spec));
-    const GhostSurface surface(mesh);
+    const GhostSurface surface(mesh, lens->sensor_gap_mm());
     const LightBundle bundle(*lens, spec.field_rad, 0.0);
     const InteractionList list = WriteOut(*lens, spec.sequence, 470.0);
     const std::vector<double> weights = NodeWeights(spec.wavelengths_nm, 470.0);
@@ -122,7 +122,7 @@ TEST(Mesh, IsMirrorSymmetricAboutTheMeridionalPlane) {
     ASSERT_FALSE(mesh.grids.empty());
     const MeshGrid& grid = mesh.grids[0];
     EXPECT_NEAR(grid.v0 + 0.5 * (grid.nv - 1) * grid.dv, 0.0, 1e-12);
-    const auto fields = static_cast<std::size_t>(mesh.field_count());
+    const auto fields = static_cast<std::size_t>(mesh.stored_count());
     for (int j = 0; j < grid.nv; ++j) {
         for (int i = 0; i < grid.nu; ++i) {
             const std::size_t a = grid.Vertex(i, j), b = grid.Vertex(i, grid.nv - 1 - j);
@@ -141,12 +141,12 @@ TEST(Mesh, DependsOnItsSpecAloneAndCountsItsBytes) {
     ASSERT_EQ(a.grids.size(), b.grids.size());
     for (std::size_t g = 0; g < a.grids.size(); ++g) {
         EXPECT_TRUE(a.grids[g].nodes[0].fields == b.grids[g].nodes[0].fields);
-        EXPECT_TRUE(a.grids[g].nodes[0].rare_cos2 == b.grids[g].nodes[0].rare_cos2);
+        EXPECT_TRUE(a.grids[g].nodes[0].passage == b.grids[g].nodes[0].passage);
     }
     EXPECT_GT(a.rays_traced, 500U);
     std::size_t floats = 0;
     for (const MeshGrid& grid : a.grids)
-        floats += grid.nodes[0].fields.size() + grid.nodes[0].rare_cos2.size();
+        floats += grid.nodes[0].fields.size() + grid.nodes[0].passage.size();
     EXPECT_GE(a.bytes(), floats * sizeof(float));
     EXPECT_LT(a.bytes(), 4 * floats * sizeof(float) + 100'000);
 }

@@ -34,9 +34,10 @@ TEST(PlacedLight, TurnsTheCanonicalLightIntoPlace) {
         // The canonical light travels along (sin f, 0, cos f); turned by the azimuth it must travel
         // along (-x, -y, z) of the direction.
         const Vec3d n = d.normalized();
-        EXPECT_NEAR(std::sin(light->field_rad) * std::cos(light->azimuth_rad), -n.x, 1e-14);
-        EXPECT_NEAR(std::sin(light->field_rad) * std::sin(light->azimuth_rad), -n.y, 1e-14);
-        EXPECT_NEAR(std::cos(light->field_rad), n.z, 1e-14);
+        const Vec2d across = light->pose.LensSpace({std::sin(light->field_rad), 0.0});
+        EXPECT_NEAR(across.x, -n.x, 1e-12);
+        EXPECT_NEAR(across.y, -n.y, 1e-12);
+        EXPECT_NEAR(std::cos(light->field_rad), n.z, 1e-12);
         EXPECT_EQ(light->inverse_distance, 0.0);
     }
 }
@@ -46,8 +47,9 @@ TEST(PlacedLight, DoesNotCareForTheDirectionsLength) {
     for (const double k : {1e-300, 1e-5, 1e5, 1e300}) {
         const auto other = PlaceLight(RequestWith(Towards(0.1 * k, 0.2 * k, k)), 0);
         ASSERT_TRUE(other.ok());
-        EXPECT_NEAR(other->field_rad, one->field_rad, 1e-14);
-        EXPECT_NEAR(other->azimuth_rad, one->azimuth_rad, 1e-14);
+        EXPECT_EQ(other->field_rad, one->field_rad);
+        EXPECT_NEAR(other->pose.x_axis.x, one->pose.x_axis.x, 1e-14);
+        EXPECT_NEAR(other->pose.x_axis.y, one->pose.x_axis.y, 1e-14);
     }
 }
 
@@ -58,16 +60,15 @@ TEST(PlacedLight, KeepsMetresAsMillimetres) {
 }
 
 TEST(PictureMap, PutsTheImageUprightAndTheAxisWhereTheOffsetSays) {
-    ImageSpec image;
-    image.width = 360;
-    image.height = 200;
+    FlareRequest request = RequestWith(Towards(0.0, 0.0, 1.0));
+    ImageSpec& image = request.image;
     image.sensor_width_mm = 36.0;
     image.center_offset_mm = {1.0, 0.5};
     image.pixel_aspect = 2.0;
-    EXPECT_NEAR(PixelPitch(image).x, 0.1, 1e-15);
-    EXPECT_NEAR(PixelPitch(image).y, 0.05, 1e-15);
+    EXPECT_NEAR(PixelPitch(request).x, 0.1, 1e-15);
+    EXPECT_NEAR(PixelPitch(request).y, 0.05, 1e-15);
     for (const double azimuth : {0.0, 0.7, -2.0}) {
-        const PictureMap map = MapOf(image, azimuth);
+        const PictureMap map = MapOf(request, PoseOf(*request.lens, azimuth));
         const Vec2d axis = map.Pixel(0.0, 0.0);
         EXPECT_NEAR(axis.x, 180.0 + 10.0, 1e-12);
         EXPECT_NEAR(axis.y, 100.0 - 10.0, 1e-12);

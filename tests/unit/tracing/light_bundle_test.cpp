@@ -21,7 +21,7 @@ TEST(LightBundle, FromInfinityIsParallelAndCrossesThePlaneAcross) {
     const double field = 0.3;
     const LightBundle bundle(*lens, field, 0.0);
     const Vec3d travel(std::sin(field), 0.0, std::cos(field));
-    const Vec3d pupil(0.0, 0.0, lens->first_order().entrance.z_mm);
+    const Vec3d pupil(0.0, 0.0, lens->pupil_z_mm());
     for (const Vec2d& at : {Vec2d(0.0, 0.0), Vec2d(3.0, 0.0), Vec2d(-2.0, 5.0)}) {
         const Ray ray = bundle.At(at.x, at.y);
         EXPECT_NEAR((ray.direction - travel).length(), 0.0, 1e-15);
@@ -62,12 +62,11 @@ TEST(LightBundle, HoldsEveryRayThatMeetsTheFront) {
                 const double field = RadiansFromDegrees(field_deg);
                 const LightBundle bundle(*lens, field, distance > 0.0 ? 1.0 / distance : 0.0);
                 const Vec3d travel(std::sin(field), 0.0, std::cos(field));
-                const Vec3d pupil(0.0, 0.0, lens->first_order().entrance.z_mm);
+                const Vec3d pupil(0.0, 0.0, lens->pupil_z_mm());
                 for (int k = 0; k < 200; ++k) {
                     const double r = front.semi_diameter_mm * std::sqrt(random.Uniform(0.0, 1.0));
                     const double a = random.Uniform(0.0, 2.0 * kPi);
-                    const double c = front.curvature;
-                    const double z = c * r * r / (1.0 + std::sqrt(1.0 - c * c * r * r));
+                    const double z = front.shape.Sag(r * std::cos(a), r * std::sin(a));
                     const Vec3d p(r * std::cos(a), r * std::sin(a), z);
                     Vec3d at(0.0, 0.0, 0.0);
                     if (distance > 0.0) {
