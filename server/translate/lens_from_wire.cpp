@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/translate/lens_from_wire.h"
 
+#include "core/optics/lens_coatings.h"
 #include "core/prescription/prescription_check.h"
 #include "core/prescription/prescription_reader.h"
 #include "protocol/limits.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/translate/lens_json.h"
 
+#include <complex>
+
 #include "core/optics/paraxial.h"
 #include "server/translate/json_parts.h"
 
@@ -57,6 +59,30 @@ void WriteDesign(JsonWriter& json, const Lens& lens) {
     json.End();
 }
 
+// As a lens file writes them.
+void WriteCoatings(JsonWriter& json, const CoatingDefinitions& coatings) {
+    if (coatings.empty()) return;
+    json.Key("coatings").BeginObject();
+    for (const auto& [name, design] : coatings) {
+        json.Key(name).BeginObject();
+        OptionalMember(json, "source", design.source);
+        OptionalMember(json, "notes", design.notes);
+        json.Key("layers").BeginArray();
+        for (const CoatingLayer& layer : design.layers()) {
+            json.BeginInlineObject();
+            if (layer.material.is_constant()) {
+                const std::complex<double> index = layer.material.Index(kLineD);
+                json.Member("n", index.real()).Member("k", index.imag());
+            } else {
+                json.Member("material", layer.material.name());
+            }
+            json.Member("thickness_nm", layer.thickness_nm).End();
+        }
+        json.End().End();
+    }
+    json.End();
+}
+
 void WriteOrigin(JsonWriter& json, const Lens& lens) {
     const Prescription& prescription = lens.prescription();
     OptionalMember(json, "maker", prescription.maker);
@@ -67,6 +93,7 @@ void WriteOrigin(JsonWriter& json, const Lens& lens) {
     WriteDesign(json, lens);
     json.Member("fisheye", prescription.fisheye);
     json.Member("default_coating", prescription.default_coating);
+    WriteCoatings(json, prescription.coatings);
 }
 
 void WriteNumbers(JsonWriter& json, std::string_view name, const std::vector<double>& numbers) {

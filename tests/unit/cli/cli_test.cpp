@@ -194,14 +194,15 @@ semi_diameter_mm = 20.0
 )");
     ASSERT_EQ(Flare({"ghosts", lens, "--field-deg", "-5"}), kDone) << err_;
     EXPECT_NE(out_.find("of 1 ghosts"), std::string::npos) << out_;
-    ASSERT_EQ(Flare({"ghosts", lens, "--sensor-reflection", "--focus-m", "2", "--azimuth-deg", "45"}),
-              kDone);
+    ASSERT_EQ(
+        Flare({"ghosts", lens, "--sensor-reflection", "--focus-m", "2", "--azimuth-deg", "45"}),
+        kDone);
     EXPECT_NE(out_.find("of 3 ghosts"), std::string::npos) << out_;
     EXPECT_NE(out_.find("focus 2 m"), std::string::npos) << out_;
-    ASSERT_EQ(Flare({"ghosts", lens, "--reflections", "4", "--threshold", "1e-9", "--coatings",
+    ASSERT_EQ(Flare({"ghosts", lens, "--reflections", "4", "--threshold", "1e-14", "--coatings",
                      "mgf2-500", "--json"}),
               kDone);
-    EXPECT_NE(out_.find("\"four_reflections\": {\"threshold\": 1e-09,"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("\"four_reflections\": {\"threshold\": 1e-14,"), std::string::npos) << out_;
     EXPECT_NE(out_.find("\"sequence\": [2, 1, 2, 1]"), std::string::npos) << out_;
     EXPECT_NE(out_.find("\"coatings\": \"mgf2-500\""), std::string::npos) << out_;
 }

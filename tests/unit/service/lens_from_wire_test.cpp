@@ -50,8 +50,7 @@ TEST(LensFromWire, PutsANamedCoatingOnEveryFaceBetweenAirAndGlass) {
     EXPECT_NEAR(CoatingOf(lens, 0).layers[0].thickness_nm, 500.0 / (4.0 * 1.38), 1e-9);
     EXPECT_TRUE(CoatingOf(lens, 3).bare()) << "cemented";
     EXPECT_TRUE(CoatingOf(lens, 5).bare()) << "the stop";
-    EXPECT_EQ(lens.lens->geometry_fingerprint(),
-              (*Library().Find(kSeed))->geometry_fingerprint());
+    EXPECT_EQ(lens.lens->geometry_fingerprint(), (*Library().Find(kSeed))->geometry_fingerprint());
 }
 
 TEST(LensFromWire, PutsCoatingsOnSingleSurfaces) {
@@ -93,6 +92,22 @@ TEST(LensFromWire, NamesTheFieldOfABadCoating) {
         EXPECT_EQ(lens.error().code, "bad_value") << row.name;
         EXPECT_EQ(lens.error().where, row.where) << row.name;
     }
+}
+
+TEST(LensFromWire, RefusesToCoatTheSensor) {
+    wire::LensChoice choice = Named(kSeed);
+    Prescription file = (*Library().Find(kSeed))->prescription();
+    SurfacePrescription sensor;
+    sensor.kind = SurfaceKind::kSensor;
+    sensor.reflectance = 0.1;
+    sensor.semi_diameter_mm = 21.6;
+    file.surfaces.push_back(sensor);
+    const auto lens = Lens::Build(file);
+    ASSERT_TRUE(lens) << lens.error().message;
+    choice.coatings.surfaces = {{11, "mgf2-550"}};
+    const auto coated = LensAsAsked(*lens, choice.coatings, {});
+    ASSERT_FALSE(coated);
+    EXPECT_EQ(coated.error().where, "/coatings/surfaces/11");
 }
 
 TEST(LensFromWire, ZoomsALens) {

@@ -167,10 +167,10 @@ TEST(LensJson, ShowsBothSectionsOfAnAnamorphicLens) {
     EXPECT_EQ(Number(root, "bfl_mm"), Number(x, "bfl_mm"));
     ExpectRelative(Number(root, "squeeze"), 1.923, 1e-3);
     for (const JsonView& section : {x, y}) {
-        ExpectRelative(Number(section, "f_number"),
-                       Number(section, "efl_mm") /
-                           Number(*section.Find("entrance_pupil"), "diameter_mm"),
-                       1e-12);
+        ExpectRelative(
+            Number(section, "f_number"),
+            Number(section, "efl_mm") / Number(*section.Find("entrance_pupil"), "diameter_mm"),
+            1e-12);
         EXPECT_GT(Number(section, "pupil_magnification"), 0.0);
         EXPECT_TRUE(section.Find("exit_pupil").has_value());
     }
@@ -212,6 +212,10 @@ TEST(LensJson, GivesEveryKeyOfALensFile) {
     sensor.kind = SurfaceKind::kSensor;
     sensor.reflectance = 0.04;
     sensor.semi_diameter_mm = 21.6;
+    front.coating = "amber";
+    file.coatings.emplace("amber",
+                          *CoatingDesign::Stack("amber", {{*MaterialByName("MgF2"), 82.0},
+                                                          {std::complex<double>(2.1, 0.5), 20.0}}));
     file.surfaces = {front, back, stop, sensor};
     const auto lens = Lens::Build(file);
     ASSERT_TRUE(lens) << lens.error().message;
@@ -221,6 +225,13 @@ TEST(LensJson, GivesEveryKeyOfALensFile) {
     EXPECT_EQ(Number(*root.Find("design"), "focal_tolerance"), 0.25);
     EXPECT_EQ(Number(*root.Find("sensor"), "reflectance"), 0.04);
     EXPECT_EQ(Number(*root.Find("sensor"), "semi_diameter_mm"), 21.6);
+    const JsonView layers = *root.Find("coatings")->Find("amber")->Find("layers");
+    ASSERT_EQ(layers.child_count(), 2u);
+    EXPECT_EQ(MaterialByName(layers.FirstChild()->Find("material")->string())->name(),
+              MaterialByName("MgF2")->name());
+    EXPECT_EQ(Number(*layers.FirstChild(), "thickness_nm"), 82.0);
+    EXPECT_EQ(Number(*layers.FirstChild()->NextSibling(), "n"), 2.1);
+    EXPECT_EQ(Number(*layers.FirstChild()->NextSibling(), "k"), 0.5);
     ASSERT_EQ(root.Find("surfaces")->child_count(), 4u);
     const JsonView asphere = *root.Find("surfaces")->FirstChild();
     EXPECT_EQ(asphere.Find("kind")->string(), "asphere");

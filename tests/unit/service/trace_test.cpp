@@ -120,9 +120,9 @@ TEST_F(TraceText, WeighsTheCoatingsThatWereAskedFor) {
     const char* rays = R"("wavelength_nm":550,"rays":[{"origin":[0,0,-10],"direction":[0,0,1]}])";
     EXPECT_NEAR(Number(Traced(std::string(R"("coatings":"mgf2-550",)") + rays), "weight"),
                 (1 - r * r) * (1 - r * r), 1e-9);
-    EXPECT_NEAR(
-        Number(Traced(std::string(R"("coatings":{"surfaces":{"1":"mgf2-550"}},)") + rays), "weight"),
-        (1 - bare * bare) * (1 - r * r), 1e-9);
+    EXPECT_NEAR(Number(Traced(std::string(R"("coatings":{"surfaces":{"1":"mgf2-550"}},)") + rays),
+                       "weight"),
+                (1 - bare * bare) * (1 - r * r), 1e-9);
 }
 
 TEST_F(TraceText, KeepsTheOrderOfManyRays) {

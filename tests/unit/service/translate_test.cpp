@@ -209,20 +209,31 @@ TEST(RequestHash, IsTheSameForBodiesThatMeanTheSame) {
 TEST(RequestHash, ChangesWithEveryField) {
     const std::string plain = HashOf(SeedBody(R"("units":"scene_linear")"));
     std::vector<std::string> hashes{plain};
-    for (const char* members :
-         {R"("units":"sensor_irradiance")", R"("f_number":4)", R"("f_number":4.0000000000000009)",
-          R"("coatings":"none")", R"("iris":{"blades":5})", R"("iris":{"roundness":0.5})",
-          R"("iris":{"rotation_deg":1})", R"("quality":{"preset":"draft"})",
-          R"("output":{"pixel":"float"})", R"("output":{"compression":"none"})",
-          R"("color_space":"spectral","wavelengths_nm":[550])",
-          R"("color_space":"spectral","wavelengths_nm":[550,551])", R"("focus_m":2)",
-          R"("focus_m":0.01)", R"("focus_m":0.02)", R"("zoom_mm":70)",
-          R"("coatings":"mgf2-500")", R"("coatings":"bare")",
-          R"("coatings":{"surfaces":{"3":"mgf2-500"}})",
-          R"("coatings":{"surfaces":{"4":"mgf2-500"}})",
-          R"("coatings":{"default":"bare","surfaces":{"4":"mgf2-500"}})",
-          R"("model":{"reflections":4})", R"("model":{"four_reflection_threshold":0.01})",
-          R"("model":{"sensor_reflection":true})", R"("model":{"ringing":"off"})"}) {
+    for (const char* members : {R"("units":"sensor_irradiance")",
+                                R"("f_number":4)",
+                                R"("f_number":4.0000000000000009)",
+                                R"("coatings":"none")",
+                                R"("iris":{"blades":5})",
+                                R"("iris":{"roundness":0.5})",
+                                R"("iris":{"rotation_deg":1})",
+                                R"("quality":{"preset":"draft"})",
+                                R"("output":{"pixel":"float"})",
+                                R"("output":{"compression":"none"})",
+                                R"("color_space":"spectral","wavelengths_nm":[550])",
+                                R"("color_space":"spectral","wavelengths_nm":[550,551])",
+                                R"("focus_m":2)",
+                                R"("focus_m":0.01)",
+                                R"("focus_m":0.02)",
+                                R"("zoom_mm":70)",
+                                R"("coatings":"mgf2-500")",
+                                R"("coatings":"bare")",
+                                R"("coatings":{"surfaces":{"3":"mgf2-500"}})",
+                                R"("coatings":{"surfaces":{"4":"mgf2-500"}})",
+                                R"("coatings":{"default":"bare","surfaces":{"4":"mgf2-500"}})",
+                                R"("model":{"reflections":4})",
+                                R"("model":{"four_reflection_threshold":0.01})",
+                                R"("model":{"sensor_reflection":true})",
+                                R"("model":{"ringing":"off"})"}) {
         hashes.push_back(HashOf(SeedBody(members)));
     }
     const std::string lens = std::string(R"({"lens":")") + kSeed + R"(",)";
