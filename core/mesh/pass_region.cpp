@@ -12,9 +12,12 @@
 #include "core/mesh/pass_region.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+
+#include "core/tracing/trace_columns.h"
 
 namespace flare {
 namespace {
@@ -26,9 +29,9 @@ constexpr int kMaxFollows = 24;
 constexpr int kFew = 9;  // passing corners of a grid that show a region's outline; fewer do not
 
 struct Corner {
-    bool inside = false;      // passes all rims and the stop
-    std::size_t passed = 0;   // interactions met within their rims before the first one outside
-    std::vector<Vec2d> hits;  // as far as the ray came
+    bool inside = false;     // passes all rims and the stop
+    std::size_t met = 0;     // interactions, as far as the ray came
+    std::size_t passed = 0;  // of these within their rims before the first one outside
 };
 
 class Search {
@@ -90,31 +93,39 @@ class Search {
     }
 
     void TraceCorners(const Rect& area) {
-        corners_.assign(static_cast<std::size_t>((kCellsU + 1) * (cells_v_ + 1)), {});
-        TraceOptions options;
-        options.clip = false;
-        options.record_points = true;
+        const auto count = static_cast<std::size_t>((kCellsU + 1) * (cells_v_ + 1));
+        rays_.Resize(count);
         for (int j = 0; j <= cells_v_; ++j) {
             for (int i = 0; i <= kCellsU; ++i) {
-                const double u = area.u0 + (area.u1 - area.u0) * i / kCellsU;
-                const double v = area.v0 + (area.v1 - area.v0) * j / cells_v_;
-                const TraceResult result = TraceRay(list_, bundle_.At(u, v), options, &record_);
-                Corner& corner = At(i, j);
-                for (const Vec3d& p : record_.points) corner.hits.emplace_back(p.x, p.y);
-                // A ray that misses the first surface has no record at all.
-                const bool inside_rims =
-                    std::all_of(record_.rim_ratio2.begin(), record_.rim_ratio2.end(),
-                                [](double ratio2) { return ratio2 <= 1.0; });
-                corner.inside =
-                    result.fate == RayFate::kArrived && inside_rims && !result.out_of_order_inside;
-                while (corner.passed < record_.rim_ratio2.size() &&
-                       record_.rim_ratio2[corner.passed] <= 1.0) {
-                    ++corner.passed;
-                }
-                ++tally_.rays;
-                tally_.ray_surfaces += record_.points.size();
+                const Ray ray = bundle_.AtFront(area.u0 + (area.u1 - area.u0) * i / kCellsU,
+                                                area.v0 + (area.v1 - area.v0) * j / cells_v_);
+                rays_.Set(Index(i, j), ray.origin, ray.direction);
             }
         }
+        ColumnNeeds needs;
+        needs.passage = false;
+        needs.hits = true;
+        TraceInColumns(list_, rays_, needs, traced_);
+        corners_.assign(count, {});
+        for (std::size_t k = 0; k < count; ++k) SetCorner(k);
+        tally_.rays += count;
+    }
+
+    void SetCorner(std::size_t k) {
+        Corner& corner = corners_[k];
+        const auto fate = static_cast<RayFate>(traced_.fate[k]);
+        const std::int32_t ended = traced_.ended_at[k];
+        // A ray that is totally reflected has met the surface where that happens.
+        corner.met = ended == TraceColumns::kArrived
+                         ? list_.steps.size()
+                         : static_cast<std::size_t>(ended) + (fate == RayFate::kTir ? 1 : 0);
+        while (corner.passed < corner.met &&
+               traced_.rim_ratio2[corner.passed * traced_.stride + k] <= 1.0F) {
+            ++corner.passed;
+        }
+        corner.inside = fate == RayFate::kArrived && corner.passed == list_.steps.size() &&
+                        traced_.disorder[k] < 2;
+        tally_.ray_surfaces += corner.met;
     }
 
     // The box of the chosen corners, `margin` cells wider on each side. There must be one.
@@ -158,13 +169,14 @@ class Search {
     }
 
     bool MayPass(int i, int j) {
-        const Corner* corners[] = {&At(i, j), &At(i + 1, j), &At(i, j + 1), &At(i + 1, j + 1)};
+        const std::array<std::size_t, 4> corners = {Index(i, j), Index(i + 1, j), Index(i, j + 1),
+                                                    Index(i + 1, j + 1)};
         std::size_t depth = std::numeric_limits<std::size_t>::max();
         std::size_t deepest = 0;
-        for (const Corner* corner : corners) {
-            if (corner->inside) return true;
-            depth = std::min(depth, corner->hits.size());
-            deepest = std::max(deepest, corner->hits.size());
+        for (const std::size_t k : corners) {
+            if (corners_[k].inside) return true;
+            depth = std::min(depth, corners_[k].met);
+            deepest = std::max(deepest, corners_[k].met);
         }
         for (std::size_t step = 0; step < depth; ++step) {
             if (Outside(corners, step)) return false;
@@ -174,11 +186,12 @@ class Search {
         return some_alive || depth < deepest;
     }
 
-    bool Outside(const Corner* const (&corners)[4], std::size_t step) const {
+    bool Outside(const std::array<std::size_t, 4>& corners, std::size_t step) const {
         Vec2d lo(std::numeric_limits<double>::max());
         Vec2d hi(std::numeric_limits<double>::lowest());
-        for (const Corner* corner : corners) {
-            const Vec2d& p = corner->hits[step];
+        for (const std::size_t k : corners) {
+            const Vec2d p(static_cast<double>(traced_.hit_x[step * traced_.stride + k]),
+                          static_cast<double>(traced_.hit_y[step * traced_.stride + k]));
             lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
             hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
         }
@@ -200,8 +213,9 @@ class Search {
     const LightBundle& bundle_;
     PassRegion& tally_;
     int cells_v_;
+    RayColumns rays_;
+    TraceColumns traced_;
     std::vector<Corner> corners_;
-    RayRecord record_;
 };
 
 // For v >= 0 only where the bundle is symmetric.

@@ -30,6 +30,24 @@ CubicWeights CubicAt(std::size_t count, double x) {
 // T and R from both sides, as in Quantity.
 using Sample = std::array<double, 3>;
 
+// The same cubic over interval i as a polynomial in 0 ... 1.
+std::array<double, 4> CubicOver(const std::vector<Sample>& samples, std::size_t i,
+                                std::size_t quantity) {
+    const std::size_t first = CubicAt(samples.size(), static_cast<double>(i) + 0.5).first;
+    std::array<double, 4> y{};
+    for (std::size_t k = 0; k < 4; ++k) y[k] = samples[first + k][quantity];
+    // Newton's differences, then the polynomial in x = 0 ... 3, then shifted to the interval.
+    const double d1 = y[1] - y[0];
+    const double d2 = y[2] - 2.0 * y[1] + y[0];
+    const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
+    const double a1 = d1 - d2 / 2.0 + d3 / 3.0;
+    const double a2 = d2 / 2.0 - d3 / 2.0;
+    const double a3 = d3 / 6.0;
+    const double k = static_cast<double>(i - first);
+    return {y[0] + k * (a1 + k * (a2 + k * a3)), a1 + k * (2.0 * a2 + 3.0 * a3 * k),
+            a2 + 3.0 * a3 * k, a3};
+}
+
 bool CubicHolds(const std::vector<Sample>& samples, double x, const Sample& exact) {
     const CubicWeights cubic = CubicAt(samples.size(), x);
     for (std::size_t quantity = 0; quantity < exact.size(); ++quantity) {
@@ -68,10 +86,11 @@ std::vector<Sample> Refined(const Function& exact) {
 }  // namespace
 
 double TransmissionTables::Table::At(double c) const {
-    const CubicWeights cubic = CubicAt(values.size(), c * static_cast<double>(values.size() - 1));
-    const double* const v = &values[cubic.first];
-    const auto& w = cubic.weights;
-    return w[0] * v[0] + w[1] * v[1] + w[2] * v[2] + w[3] * v[3];
+    const double x = c * static_cast<double>(cubics.size());
+    const std::size_t i = std::min(static_cast<std::size_t>(x), cubics.size() - 1);
+    const double t = x - static_cast<double>(i);
+    const std::array<double, 4>& k = cubics[i];
+    return k[0] + t * (k[1] + t * (k[2] + t * k[3]));
 }
 
 std::vector<int> AbsorbingSteps(const Lens& lens, const BounceSequence& sequence) {
@@ -129,7 +148,9 @@ void TransmissionTables::BuildTables(const Lens& lens, int surface, int band) {
         Table& table =
             tables_[(s * wavelengths_nm_.size() + static_cast<std::size_t>(band)) * kQuantities +
                     quantity];
-        for (const Sample& sample : samples) table.values.push_back(sample[quantity]);
+        for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+            table.cubics.push_back(CubicOver(samples, i, quantity));
+        }
     }
 }
 
@@ -141,20 +162,39 @@ const TransmissionTables::Table& TransmissionTables::TableOf(int surface, int ba
                    quantity];
 }
 
+namespace {
+
+bool FromRare(const Interaction& step) {
+    return step.n_in < step.n_out || (step.n_in == step.n_out && step.forward);
+}
+
+// A bare interface from the squared cosine in the rarer medium; the same from both sides.
+double BareReflectance(double n_in, double n_out, double rare_cos2) {
+    const double rare = std::min(n_in, n_out);
+    const double dense = std::max(n_in, n_out);
+    // Normal components of the wave vectors; the step between the squared indices is taken first.
+    const double q_rare = rare * std::sqrt(std::min(rare_cos2, 1.0));
+    const double q_dense = std::sqrt((dense - rare) * (dense + rare) + q_rare * q_rare);
+    const double s = (q_rare - q_dense) / (q_rare + q_dense);
+    const double a = dense * dense * q_rare;
+    const double b = rare * rare * q_dense;
+    const double p = (a - b) / (a + b);
+    return 0.5 * (s * s + p * p);
+}
+
+}  // namespace
+
 double TransmissionTables::StepFactor(const Interaction& step, int band, double rare_cos2) const {
     if (static_cast<std::size_t>(step.surface) == faces_.size()) return sensor_reflectance_;
-    const bool from_rare = step.n_in < step.n_out || (step.n_in == step.n_out && step.forward);
-    const bool reflects = step.kind == InteractionKind::kReflect;
-    const double c = std::sqrt(std::clamp(rare_cos2, 0.0, 1.0));
-    if (rare_cos2 >= 0.0) {
-        const Quantity quantity = !reflects   ? kTransmittance
-                                  : from_rare ? kReflectanceFromRare
-                                              : kReflectanceFromDense;
-        const Table& table = TableOf(step.surface, band, quantity);
-        if (!table.values.empty()) return table.At(c);
-    } else if (!reflects) {
-        return 0.0;
+    if (rare_cos2 > 0.0 && faces_[static_cast<std::size_t>(step.surface)].coating.bare()) {
+        if (step.n_in == step.n_out) return step.kind == InteractionKind::kReflect ? 0.0 : 1.0;
+        const double reflectance = BareReflectance(step.n_in, step.n_out, rare_cos2);
+        return step.kind == InteractionKind::kReflect ? reflectance : 1.0 - reflectance;
     }
+    const bool from_rare = FromRare(step);
+    const bool reflects = step.kind == InteractionKind::kReflect;
+    if (rare_cos2 < 0.0 && !reflects) return 0.0;
+    const double c = std::sqrt(std::clamp(rare_cos2, 0.0, 1.0));
     double cos_in = c;
     if (!from_rare) {
         const double ratio = step.n_out / step.n_in;
@@ -167,6 +207,17 @@ double TransmissionTables::StepFactor(const Interaction& step, int band, double 
     return reflects ? r.reflectance : r.transmittance;
 }
 
+const TransmissionTables::Table* TransmissionTables::TableFor(const Interaction& step,
+                                                              int band) const {
+    if (step.kind == InteractionKind::kStop) return nullptr;
+    if (static_cast<std::size_t>(step.surface) == faces_.size()) return nullptr;
+    const Quantity quantity = step.kind != InteractionKind::kReflect ? kTransmittance
+                              : FromRare(step)                       ? kReflectanceFromRare
+                                                                     : kReflectanceFromDense;
+    const Table& table = TableOf(step.surface, band, quantity);
+    return table.cubics.empty() ? nullptr : &table;
+}
+
 TransmissionTables::Path TransmissionTables::PathOf(const Lens& lens,
                                                     const BounceSequence& sequence) const {
     Path path;
@@ -174,16 +225,26 @@ TransmissionTables::Path TransmissionTables::PathOf(const Lens& lens,
     path.absorbing_ = AbsorbingSteps(lens, sequence);
     for (const double wavelength : wavelengths_nm_) {
         path.lists_.push_back(WriteOut(lens, sequence, wavelength));
+        const int band = static_cast<int>(path.lists_.size()) - 1;
+        for (const Interaction& step : path.lists_.back().steps) {
+            path.looked_up_.push_back(TableFor(step, band));
+        }
     }
     return path;
 }
 
 double TransmissionTables::Path::Weight(int band, std::span<const double> passage) const {
     const InteractionList& list = lists_[static_cast<std::size_t>(band)];
+    const Table* const* const looked_up =
+        &looked_up_[static_cast<std::size_t>(band) * list.steps.size()];
     double weight = 1.0;
     for (std::size_t s = 0; s < list.steps.size(); ++s) {
-        if (list.steps[s].kind == InteractionKind::kStop) continue;
-        weight *= tables_->StepFactor(list.steps[s], band, passage[s]);
+        const Table* const table = looked_up[s];
+        if (table != nullptr && passage[s] >= 0.0) {
+            weight *= table->At(std::sqrt(std::min(passage[s], 1.0)));
+        } else if (list.steps[s].kind != InteractionKind::kStop) {
+            weight *= tables_->StepFactor(list.steps[s], band, passage[s]);
+        }
     }
     double absorbed = 0.0;
     for (std::size_t a = 0; a < absorbing_.size(); ++a) {

@@ -14,6 +14,7 @@
 // built, so safe from any thread.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,14 @@ class TransmissionTables {
   public:
     TransmissionTables(const Lens& lens, std::vector<double> wavelengths_nm, ThreadPool& threads);
 
+  private:
+    // One quantity of a coated surface over c = 0 ... 1: a cubic in each of its equal intervals.
+    struct Table {
+        std::vector<std::array<double, 4>> cubics;  // empty: evaluate
+        double At(double c) const;
+    };
+
+  public:
     // Everything that `sequence` needs, written out for every wavelength.
     class Path {
       public:
@@ -40,6 +49,9 @@ class TransmissionTables {
         friend class TransmissionTables;
         const TransmissionTables* tables_ = nullptr;
         std::vector<InteractionList> lists_;
+        // For each band and interaction, row by row: the table that holds its factor; null where
+        // there is none (a stop, a bare surface, a sensor).
+        std::vector<const Table*> looked_up_;
         std::vector<int> absorbing_;
     };
     Path PathOf(const Lens& lens, const BounceSequence& sequence) const;
@@ -49,11 +61,6 @@ class TransmissionTables {
   private:
     enum Quantity { kTransmittance, kReflectanceFromRare, kReflectanceFromDense, kQuantities };
 
-    struct Table {
-        std::vector<double> values;  // over c = 0 ... 1; empty: evaluate
-        double At(double c) const;
-    };
-
     struct Face {
         Coating coating;
         bool dense_in_front = false;  // at the d line, which the order of the layers follows
@@ -61,6 +68,7 @@ class TransmissionTables {
 
     void BuildTables(const Lens& lens, int surface, int band);
     const Table& TableOf(int surface, int band, Quantity quantity) const;
+    const Table* TableFor(const Interaction& step, int band) const;
     double StepFactor(const Interaction& step, int band, double rare_cos2) const;
 
     std::vector<double> wavelengths_nm_;

@@ -2,7 +2,6 @@
 #include "core/render/ghost_choice.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -83,88 +82,6 @@ GhostEstimate FirstOrderEstimate(const InteractionList& list, double weight, dou
     return estimate;
 }
 
-// From the corners of a coarse mesh's cells: their mean weight, the share of them that passes, and
-// the area they span on the sensor.
-class MeshEstimate {
-  public:
-    MeshEstimate(const Lens& lens, const GhostMesh& mesh, const TransmissionTables& tables,
-                 const LightBundle& bundle, const Iris& iris)
-        : lens_(lens),
-          mesh_(mesh),
-          path_(tables.PathOf(lens, mesh.sequence)),
-          bundle_(bundle),
-          iris_(iris) {}
-
-    GhostEstimate Run() {
-        for (const MeshGrid& grid : mesh_.grids) AddGrid(grid);
-        const double pixel = kPeakPixel_mm * kPeakPixel_mm;
-        estimate_.peak_irradiance = std::min(estimate_.peak_irradiance, estimate_.flux_mm2 / pixel);
-        return estimate_;
-    }
-
-  private:
-    void AddGrid(const MeshGrid& grid) {
-        for (int j = 0; j + 1 < grid.nv; ++j) {
-            for (int i = 0; i + 1 < grid.nu; ++i) {
-                if (grid.cells[grid.Cell(i, j)] == CellUse::kUsed) AddCell(grid, i, j);
-            }
-        }
-    }
-
-    void AddCell(const MeshGrid& grid, int i, int j) {
-        const MeshNode& node = grid.nodes.front();
-        const auto stored = static_cast<std::size_t>(mesh_.stored_count());
-        const auto passage = static_cast<std::size_t>(mesh_.passage_count());
-        std::array<Vec2d, 4> place;
-        double light = 0.0;
-        // Around the cell: (i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1).
-        for (std::size_t corner = 0; corner < 4; ++corner) {
-            const int a = i + (corner == 1 || corner == 2 ? 1 : 0);
-            const int b = j + (corner >= 2 ? 1 : 0);
-            const std::size_t vertex = grid.Vertex(a, b);
-            const float* const fields = &node.fields[vertex * stored];
-            place[corner] = mesh_.SensorPlace(fields, lens_.sensor_gap_mm());
-            if (!Passes(fields)) continue;
-            passage_.resize(passage);
-            for (std::size_t k = 0; k < passage; ++k) {
-                passage_[k] = static_cast<double>(node.passage[vertex * passage + k]);
-            }
-            light += 0.25 * path_.Weight(0, passage_) *
-                     bundle_.FluxDensity(grid.u0 + a * grid.du, grid.v0 + b * grid.dv);
-        }
-        if (light == 0.0) return;
-        const double flux = light * grid.du * grid.dv;
-        const Vec2d p = place[2] - place[0];
-        const Vec2d q = place[3] - place[1];
-        const double area = 0.5 * std::abs(p.x * q.y - p.y * q.x);
-        estimate_.flux_mm2 += flux;
-        if (area > 0.0) {
-            estimate_.peak_irradiance = std::max(estimate_.peak_irradiance, flux / area);
-        }
-    }
-
-    bool Passes(const float* fields) const {
-        for (int c = 0; c < mesh_.stop_crossings; ++c) {
-            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
-            const double radius =
-                std::hypot(static_cast<double>(fields[f]), static_cast<double>(fields[f + 1]));
-            if (radius > iris_.outer_radius()) return false;
-        }
-        for (int r = 0; r < static_cast<int>(mesh_.rims.size()); ++r) {
-            if (fields[static_cast<std::size_t>(mesh_.rim_field(r))] > 0.0F) return false;
-        }
-        return true;
-    }
-
-    const Lens& lens_;
-    const GhostMesh& mesh_;
-    TransmissionTables::Path path_;
-    const LightBundle& bundle_;
-    const Iris& iris_;
-    GhostEstimate estimate_;
-    std::vector<double> passage_;
-};
-
 }  // namespace
 
 Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& model,
@@ -210,7 +127,8 @@ Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& mod
             MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context.cancel);
         if (!found) return;
         if (!found->hit) rays[n] = found->mesh->rays_traced;
-        estimates[n] = MeshEstimate(lens, *found->mesh, tables, bundle, iris).Run();
+        const GhostSurface surface(found->mesh, lens.sensor_gap_mm());
+        estimates[n] = EstimateOf(surface, bundle, lens, tables, iris, light.pose);
     });
     if (context.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
     for (std::size_t n = 0; n < likely.size(); ++n) {

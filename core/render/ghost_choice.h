@@ -16,20 +16,13 @@
 
 #include "core/optics/iris.h"
 #include "core/render/flare_request.h"
+#include "core/render/ghost_estimate.h"
 #include "core/render/lights.h"
 #include "core/render/renderer.h"
 
 namespace flare {
 
 inline constexpr double kCausticGain = 300.0;
-inline constexpr double kPeakPixel_mm = 0.01875;  // over which a peak is a mean
-
-// The light of one ghost for E0 = 1 at the d line, as a coarse mesh tells it.
-struct GhostEstimate {
-    double flux_mm2 = 0.0;         // on the whole sensor plane
-    double peak_irradiance = 0.0;  // largest mean over a pixel of kPeakPixel_mm
-};
-
 struct GhostChoice {
     std::vector<BounceSequence> sequences;  // of four reflections, in lexical order
     FourReflectionFacts facts;

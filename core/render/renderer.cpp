@@ -14,7 +14,7 @@
 #include "core/mesh/mesh_builder.h"
 #include "core/optics/paraxial.h"
 #include "core/render/ghost_choice.h"
-#include "core/render/ghost_flux.h"
+#include "core/render/ghost_estimate.h"
 #include "core/render/lights.h"
 #include "core/render/picture.h"
 #include "core/render/quality.h"
@@ -237,7 +237,7 @@ class Job {
         GhostFacts& facts = report_.facts.ghosts[index];
         if (reported_) {
             facts.flux_mm2 +=
-                FluxOf(surface, bundle, lens_, flux_tables_, iris_, settings_.walk).flux_mm2;
+                EstimateOf(*surface, bundle, lens_, flux_tables_, iris_, light.pose).flux_mm2;
         }
         const std::vector<double> bounded =
             spectral_ ? SpectralBounds()

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A cell's light is the mean of its corners'. Of a cell whose corners all pass the masks all of it
+// passes, of one whose corners all fail one mask nothing; any other is looked at on a lattice of
+// its smooth surface.
+#include "core/render/ghost_estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/spectrum/wavelength_plan.h"
+
+namespace flare {
+
+namespace {
+
+constexpr int kLattice = 6;  // points along a side of a cell that a mask cuts
+
+class Estimator {
+  public:
+    Estimator(const GhostSurface& surface, const LightBundle& bundle, const Lens& lens,
+              const TransmissionTables& tables, const Iris& iris, const CanonicalPose& pose)
+        : surface_(surface),
+          mesh_(surface.mesh()),
+          bundle_(bundle),
+          path_(tables.PathOf(lens, mesh_.sequence)),
+          iris_(iris),
+          pose_(pose) {
+        std::vector<double> traced;
+        for (const MeshNode& node : mesh_.grids.front().nodes) {
+            traced.push_back(node.wavelength_nm);
+        }
+        weights_ = NodeWeights(traced, tables.wavelengths_nm().front());
+    }
+
+    GhostEstimate Run() {
+        for (const MeshGrid& grid : mesh_.grids) light_.emplace_back(grid.alive.size(), -1.0);
+        for (const CellPlace& cell : surface_.cells()) AddCell(cell);
+        // However sharply it is focused, no more light falls on a pixel than there is.
+        const double pixel = kPeakPixel_mm * kPeakPixel_mm;
+        estimate_.peak_irradiance = std::min(estimate_.peak_irradiance, estimate_.flux_mm2 / pixel);
+        return estimate_;
+    }
+
+  private:
+    void AddCell(const CellPlace& cell) {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(cell.grid)];
+        if (surface_.UseOf(cell) != CellUse::kUsed) return;
+        const double share = PassingShare(cell, grid);
+        if (share == 0.0) return;
+        // Around the cell.
+        const std::array<std::size_t, 4> corner = {
+            grid.Vertex(cell.i, cell.j), grid.Vertex(cell.i + 1, cell.j),
+            grid.Vertex(cell.i + 1, cell.j + 1), grid.Vertex(cell.i, cell.j + 1)};
+        double light = 0.0;
+        std::array<Vec2d, 4> place;
+        for (std::size_t k = 0; k < 4; ++k) {
+            light += 0.25 * LightAt(cell.grid, corner[k]);
+            place[k] = {Field(grid, corner[k], 0), Field(grid, corner[k], 1)};
+        }
+        const double flux = light * grid.du * grid.dv;
+        estimate_.flux_mm2 += share * flux;
+        const Vec2d p = place[2] - place[0];
+        const Vec2d q = place[3] - place[1];
+        const double area = 0.5 * std::abs(p.x * q.y - p.y * q.x);
+        if (area > 0.0) {
+            estimate_.peak_irradiance = std::max(estimate_.peak_irradiance, flux / area);
+        }
+    }
+
+    // Of a vertex at the wavelength asked for; fields 0 and 1 on the sensor.
+    double Field(const MeshGrid& grid, std::size_t vertex, std::size_t f) const {
+        const auto stored = static_cast<std::size_t>(mesh_.stored_count());
+        double value = 0.0;
+        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
+            const float* const at = &grid.nodes[k].fields[vertex * stored];
+            if (f < 2) {
+                const Vec2d place = mesh_.SensorPlace(at, surface_.sensor_gap_mm());
+                value += weights_[k] * (f == 0 ? place.x : place.y);
+            } else {
+                value += weights_[k] * static_cast<double>(at[f]);
+            }
+        }
+        return value;
+    }
+
+    // Positive outside the mask: of a stop crossing (mm) or a rim.
+    double StopMask(double x, double y) const {
+        const Vec2d p = pose_.LensSpace({x, y});
+        const double radius = p.length();
+        if (radius > iris_.outer_radius()) return radius - iris_.outer_radius();
+        return radius < iris_.inner_radius() ? -1.0 : iris_.Distance(p);
+    }
+
+    double PassingShare(const CellPlace& cell, const MeshGrid& grid) {
+        bool cut = false;
+        const auto look = [&](auto mask) {
+            int outside = 0;
+            for (int k = 0; k < 4; ++k) {
+                const std::size_t v = grid.Vertex(cell.i + k % 2, cell.j + k / 2);
+                outside += mask(v) > 0.0 ? 1 : 0;
+            }
+            cut = cut || outside > 0;
+            return outside < 4;
+        };
+        for (int c = 0; c < mesh_.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
+            // A small iris may lie within a cell whose corners are all outside.
+            if (!look([&](std::size_t v) {
+                    return StopMask(Field(grid, v, f), Field(grid, v, f + 1));
+                }) &&
+                surface_.FarOutsideStop(cell, iris_.outer_radius())) {
+                return 0.0;
+            }
+        }
+        for (int r = 0; r < static_cast<int>(mesh_.rims.size()); ++r) {
+            const auto f = static_cast<std::size_t>(mesh_.rim_field(r));
+            if (!look([&](std::size_t v) { return Field(grid, v, f); })) return 0.0;
+        }
+        return cut ? SampledShare(cell) : 1.0;
+    }
+
+    double SampledShare(const CellPlace& cell) {
+        surface_.Evaluate(cell, weights_, 2, mesh_.field_count(), nets_);
+        int inside = 0;
+        for (int j = 0; j < kLattice; ++j) {
+            for (int i = 0; i < kLattice; ++i) {
+                if (PassesAt((i + 0.5) / kLattice, (j + 0.5) / kLattice)) ++inside;
+            }
+        }
+        return static_cast<double>(inside) / (kLattice * kLattice);
+    }
+
+    bool PassesAt(double a, double b) const {
+        for (int r = 0; r < static_cast<int>(mesh_.rims.size()); ++r) {
+            if (Value(static_cast<std::size_t>(mesh_.rim_field(r)), a, b) > 0.0) return false;
+        }
+        for (int c = 0; c < mesh_.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
+            if (StopMask(Value(f, a, b), Value(f + 1, a, b)) > 0.0) return false;
+        }
+        return true;
+    }
+
+    double Value(std::size_t field, double a, double b) const {
+        const BezierNet& net = nets_.nets[field];
+        const auto bernstein = [](double t) {
+            const double u = 1.0 - t;
+            return std::array<double, 4>{u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t};
+        };
+        const std::array<double, 4> ba = bernstein(a);
+        const std::array<double, 4> bb = bernstein(b);
+        double value = 0.0;
+        for (std::size_t row = 0; row < 4; ++row) {
+            for (std::size_t column = 0; column < 4; ++column) {
+                value += bb[row] * ba[column] * net[4 * row + column];
+            }
+        }
+        return value;
+    }
+
+    // Transmittance times flux density; a vertex serves four cells.
+    double LightAt(int g, std::size_t vertex) {
+        double& kept = light_[static_cast<std::size_t>(g)][vertex];
+        if (kept >= 0.0) return kept;
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(g)];
+        const auto count = static_cast<std::size_t>(mesh_.passage_count());
+        passage_.assign(count, 0.0);
+        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
+            const float* const at = &grid.nodes[k].passage[vertex * count];
+            for (std::size_t s = 0; s < count; ++s) {
+                passage_[s] += weights_[k] * static_cast<double>(at[s]);
+            }
+        }
+        const auto nu = static_cast<std::size_t>(grid.nu);
+        const double u = grid.u0 + static_cast<double>(vertex % nu) * grid.du;
+        const double v = grid.v0 + static_cast<double>(vertex / nu) * grid.dv;
+        kept = std::max(0.0, path_.Weight(0, passage_)) * bundle_.FluxDensity(u, v);
+        return kept;
+    }
+
+    const GhostSurface& surface_;
+    const GhostMesh& mesh_;
+    const LightBundle& bundle_;
+    TransmissionTables::Path path_;
+    const Iris& iris_;
+    const CanonicalPose& pose_;
+    std::vector<double> weights_;
+    std::vector<std::vector<double>> light_;  // [grid][vertex], -1: not yet known
+    std::vector<double> passage_;
+    CellSurface nets_;
+    GhostEstimate estimate_;
+};
+
+}  // namespace
+
+GhostEstimate EstimateOf(const GhostSurface& surface, const LightBundle& bundle, const Lens& lens,
+                         const TransmissionTables& tables, const Iris& iris,
+                         const CanonicalPose& pose) {
+    if (surface.cells().empty()) return {};
+    return Estimator(surface, bundle, lens, tables, iris, pose).Run();
+}
+
+}  // namespace flare
