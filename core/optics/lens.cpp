@@ -88,8 +88,8 @@ FirstOrder FirstOrderOf(const Lens& lens, Section section) {
 }
 
 // Where the file says, else at the paraxial focus, midway between the two sections' in an
-// anamorphic lens; and moved by the focus.
-Result<double> SensorGap(const Prescription& prescription, const Lens& lens) {
+// anamorphic lens; not yet moved by the focus.
+Result<double> NominalSensorGap(const Prescription& prescription, const Lens& lens) {
     const SurfacePrescription& last = prescription.surfaces[prescription.optical_count() - 1];
     const double focus =
         0.5 * (lens.first_order(Section::kX).bfl_mm + lens.first_order(Section::kY).bfl_mm);
@@ -99,7 +99,8 @@ Result<double> SensorGap(const Prescription& prescription, const Lens& lens) {
             "gap_mm of the last surface",
             last.where);
     }
-    const double gap = (last.gap_given ? last.gap_mm : focus) + prescription.focus_shift_mm;
+    const double nominal = last.gap_given ? last.gap_mm : focus;
+    const double gap = nominal + prescription.focus_shift_mm;
     if (!(gap >= kMinLengthMm)) {
         return BadLens("the paraxial focus lies " + NumberText(-gap) +
                            " mm in front of the last vertex: no sensor can stand there",
@@ -110,7 +111,7 @@ Result<double> SensorGap(const Prescription& prescription, const Lens& lens) {
                            " mm behind the last vertex: give gap_mm of the last surface",
                        last.where);
     }
-    return gap;
+    return nominal;
 }
 
 }  // namespace
@@ -145,9 +146,11 @@ Result<std::shared_ptr<const Lens>> Lens::Build(const Prescription& prescription
         lens->first_order_[section == Section::kX ? 0 : 1] = FirstOrderOf(*lens, section);
     }
 
-    const Result<double> sensor_gap = SensorGap(prescription, *lens);
-    if (!sensor_gap) return sensor_gap.error();
-    lens->sensor_z_mm_ = lens->surfaces_.back().vertex_z_mm + *sensor_gap;
+    const Result<double> nominal_gap = NominalSensorGap(prescription, *lens);
+    if (!nominal_gap) return nominal_gap.error();
+    const double sensor_gap = *nominal_gap + prescription.focus_shift_mm;
+    lens->nominal_sensor_gap_mm_ = *nominal_gap;
+    lens->sensor_z_mm_ = lens->surfaces_.back().vertex_z_mm + sensor_gap;
     if (prescription.surfaces.back().kind == SurfaceKind::kSensor) {
         const SurfacePrescription& sensor = prescription.surfaces.back();
         lens->sensor_ = LensSensor{sensor.reflectance, sensor.semi_diameter_mm};
@@ -157,7 +160,7 @@ Result<std::shared_ptr<const Lens>> Lens::Build(const Prescription& prescription
         const Abcd rear = StopToBack(*lens, kLineD, section);
         FirstOrder& first_order = lens->first_order_[section == Section::kX ? 0 : 1];
         first_order.projection_distance_mm =
-            std::abs((*sensor_gap * rear.d + rear.b) / (rear.determinant() * first_order.stop_a1));
+            std::abs((sensor_gap * rear.d + rear.b) / (rear.determinant() * first_order.stop_a1));
     }
     lens->Seal();
     return std::shared_ptr<const Lens>(std::move(lens));

@@ -75,7 +75,7 @@ class Lens {
     double sensor_z_mm() const { return sensor_z_mm_; }
     // The distance of the sensor from the last vertex; nominal: when focused at infinity.
     double sensor_gap_mm() const;
-    double nominal_sensor_gap_mm() const { return sensor_gap_mm() - prescription_.focus_shift_mm; }
+    double nominal_sensor_gap_mm() const { return nominal_sensor_gap_mm_; }
     // A mirror in the sensor's place. Bounce sequences know it as surface sensor_index().
     const std::optional<LensSensor>& sensor() const { return sensor_; }
     int sensor_index() const { return static_cast<int>(surfaces_.size()); }
@@ -122,6 +122,7 @@ class Lens {
     std::vector<LensSurface> surfaces_;
     int stop_index_ = 0;
     double sensor_z_mm_ = 0.0;
+    double nominal_sensor_gap_mm_ = 0.0;  // a difference would not be equal to the last bit
     std::optional<LensSensor> sensor_;
     std::array<FirstOrder, 2> first_order_;  // x, y
     bool rotational_ = true;

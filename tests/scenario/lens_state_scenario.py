@@ -81,7 +81,7 @@ class LensStateScenario(Scenario):
         self.assertIn("/zoom_mm: 500", exr_attributes(body)["flareClamped"])
 
     def test_unit_focusing_traces_no_ray(self):
-        changes = {"lens": SMALL}
+        changes = {"lens": SMALL, "lights": [{"direction": [0.03, 0.11, 1]}]}
         _, report = self.render(here=False, **changes)
         rays = self.daemon.metric("flared_rays_traced_total")
         self.assertGreater(report["work"]["rays_traced"], 0)

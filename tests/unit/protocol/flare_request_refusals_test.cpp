@@ -174,7 +174,7 @@ const BadRequest kFields[] = {
     {"focus_zero", With(R"("focus_m":0)"), "bad_value", "/focus_m"},
     {"focus_negative", With(R"("focus_m":-2)"), "bad_value", "/focus_m"},
     {"focus_text", With(R"("focus_m":"inf")"), "bad_type", "/focus_m"},
-    {"focus_nan", With(R"("focus_m":NaN)"), "bad_json", "byte 108"},
+    {"focus_nan", R"({"focus_m":NaN})", "bad_json", "byte 12"},
     {"focus_huge", With(R"("focus_m":1e21)"), "limit", "/focus_m"},
     {"zoom_zero", With(R"("zoom_mm":0)"), "bad_value", "/zoom_mm"},
     {"zoom_negative", With(R"("zoom_mm":-35)"), "bad_value", "/zoom_mm"},
