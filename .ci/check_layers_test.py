@@ -18,7 +18,7 @@ CMAKE = {
     "core/spectrum": "flare_layer(spectrum 2 SOURCES spectrum.cpp USES base)",
     "core/tracing": "flare_layer(tracing 3 SOURCES trace.cpp USES base optics)",
     "core/image": "flare_layer(image 5 SOURCES raster.cpp USES tracing)\n"
-                  "flare_layer(exr 5 SOURCES exr.cpp USES base PRIVATE OpenEXR::OpenEXR)\n"
+                  "flare_layer(exr 5 SOURCES exr.cpp exr_decode.cpp USES base PRIVATE OpenEXR::OpenEXR)\n"
                   "flare_layer(preview 5 SOURCES preview.cpp USES base)",
     "core/render": "flare_layer(render 6 SOURCES renderer.cpp USES image)",
     "protocol": "flare_layer(protocol 1 SOURCES codec/json.cpp PRIVATE nlohmann_json)\n"
@@ -48,7 +48,8 @@ CASES = [
     ("core/image/flare_image.h", '#include "core/image/exr.h"', False),
     ("core/image/flare_image.h", '#include "core/tracing/trace.h"', True),
     ("core/image/flare_image.h", '#include "core/render/renderer.h"', False),
-    ("core/image/exr.cpp", "#include <OpenEXR/ImfOutputFile.h>", True),
+    ("core/image/exr_decode.cpp", "#include <OpenEXR/ImfInputFile.h>", True),
+    ("core/image/exr.cpp", "#include <OpenEXR/ImfOutputFile.h>", False),
     ("core/render/renderer.cpp", '#include "core/image/flare_image.h"', True),
     ("core/render/renderer.cpp", '#include "core/optics/lens.h"', True),
     ("core/render/renderer.cpp", '#include "core/image/exr.h"', False),

@@ -15,7 +15,6 @@
 #include <map>
 #include <sstream>
 
-#include "core/image/exr.h"
 #include "protocol/limits.h"
 #include "protocol/openapi.h"
 #include "server/cache/mesh_cache.h"
@@ -194,7 +193,6 @@ int Serve(const Config& config) {
     std::vector<std::string> urls;
     for (const ListeningSocket& socket : *sockets) urls.push_back(socket.url());
 
-    SetExrThreads(static_cast<int>(config.threads));
     ThreadPool threads(static_cast<int>(config.threads));
     MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB);
     Daemon daemon(OptionsFrom(config), ServicesFrom(*lenses, threads, meshes), std::move(*sockets));

@@ -11,7 +11,7 @@ Result<std::string> ServeLens(const std::string& name, const LensState& state,
     if (!file) return file.error();
     const Result<LensInState> shown = SetState(*file, state);
     if (!shown) return shown.error();
-    return LensJson(**file, *shown);
+    return LensJson(**file, *shown, true);
 }
 
 Result<std::string> ServeGhosts(const std::string& name, const GhostQuery& query,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A channel's pixel is held as a double while light is added, then as two floats (in the root and
-// in its layer), while the encoder's lines, its output and the reply made of it grow to another 16
-// bytes at the very most (two uncompressed floats, twice).
+// in its layer), while the encoder's lines, what waits for its turn and the reply grow to another
+// 24 bytes at the very most (two uncompressed floats, three times, in a picture of few lines).
 #include "server/picture_memory.h"
 
 #include <variant>
@@ -12,7 +12,7 @@
 namespace flare {
 namespace {
 
-constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 16;
+constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 24;
 // The ghosts of one batch with their colour tables, whatever the picture's size.
 constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
 

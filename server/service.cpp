@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/service.h"
 
-#include <cmath>
-
 #include "core/image/exr.h"
 #include "core/image/preview.h"
 #include "core/render/renderer.h"
@@ -19,27 +17,15 @@ struct Picture {
     std::uint64_t saturated_pixels = 0;
 };
 
-// Pixels with a value that a half float cannot hold.
-std::uint64_t PixelsAboveHalf(const FlareImage& image) {
-    constexpr float kLargestHalf = 65504.0f;
-    std::uint64_t count = 0;
-    for (std::size_t i = 0; i < image.data.pixels(); ++i) {
-        for (const ImagePlane& plane : image.planes) {
-            if (std::abs(plane.values[i]) > kLargestHalf) {
-                ++count;
-                break;
-            }
-        }
-    }
-    return count;
-}
-
-Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& output) {
+Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& output,
+               ThreadPool& threads) {
     switch (format) {
         case ReplyFormat::kPng:
             return {EncodePng(image), "image/png", 0};
-        case ReplyFormat::kHalfPlanes:
-            return {EncodeHalfPlanes(image), "application/x-flare-half", PixelsAboveHalf(image)};
+        case ReplyFormat::kHalfPlanes: {
+            HalfPlanes half = EncodeHalfPlanes(image, threads);
+            return {std::move(half.bytes), "application/x-flare-half", half.saturated_pixels};
+        }
         case ReplyFormat::kExr:
             break;
     }
@@ -47,7 +33,7 @@ Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& 
     options.compression = output.compression == wire::Compression::kZip ? ExrCompression::kZip
                                                                         : ExrCompression::kNone;
     options.pixel = output.pixel == wire::PixelType::kHalf ? ExrPixel::kHalf : ExrPixel::kFloat;
-    ExrBytes exr = EncodeExr(image, options);
+    ExrBytes exr = EncodeExr(image, options, threads);
     return {std::move(exr.bytes), "image/x-exr", exr.saturated_pixels};
 }
 
@@ -76,7 +62,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     facts.request_hash = RequestHash(wire_request, *request).hex();
     AddFactAttributes(*request, report.facts, facts.request_hash, image);
     const double start_ms = context.now_ms();
-    Picture picture = Encode(image, format, wire_request.output);
+    Picture picture = Encode(image, format, wire_request.output, context.threads);
     facts.encode_ms = context.now_ms() - start_ms;
     facts.content_type = picture.content_type;
     facts.window = image.data;

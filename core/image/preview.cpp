@@ -8,21 +8,27 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/half.h"
 #include "core/image/channel_name.h"
-#include "core/image/half_bits.h"
+#include "core/image/saturated_pixels.h"
 
 namespace flare {
 namespace {
 
 constexpr double kLitPercentile = 0.995;
 constexpr int kCurveSteps = 1 << 15;
+// Pixels of half planes that a thread takes at a time.
+constexpr std::size_t kPixelsAtOnce = std::size_t{1} << 14;
 
 // Linear value that sRGB shows as 80 % grey: what the percentile is set to, and the shoulder's
 // start.
@@ -152,31 +158,48 @@ std::string EncodePng(const FlareImage& image) {
     return bytes;
 }
 
-std::string EncodeHalfPlanes(const FlareImage& image) {
-    FLARE_CHECK(image.data.pixels() > 0 && !image.planes.empty());
+HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads) {
+    const std::size_t pixels = image.data.pixels();
+    FLARE_CHECK(pixels > 0 && !image.planes.empty());
+    static_assert(std::endian::native == std::endian::little, "halves are copied as they lie");
     std::string names;
-    for (const ImagePlane& plane : image.planes) names += plane.name + '\0';
-
-    std::string bytes = "FLRH";
+    std::vector<const float*> planes;
+    for (const ImagePlane& plane : image.planes) {
+        FLARE_CHECK(plane.values.size() == pixels);
+        names += plane.name + '\0';
+        planes.push_back(plane.values.data());
+    }
+    HalfPlanes result;
+    std::string& bytes = result.bytes;
+    const std::size_t first = 64 + names.size();
+    bytes.reserve(first + 2 * planes.size() * pixels);
+    bytes = "FLRH";
     AppendU32(bytes, 1);
     AppendU32(bytes, static_cast<std::size_t>(image.data.width));
     AppendU32(bytes, static_cast<std::size_t>(image.data.height));
-    AppendU32(bytes, image.planes.size());
+    AppendU32(bytes, planes.size());
     AppendU32(bytes, names.size());
     bytes.resize(64, '\0');
     bytes += names;
+    bytes.resize(first + 2 * planes.size() * pixels);
 
-    std::size_t at = bytes.size();
-    bytes.resize(at + 2 * image.planes.size() * image.data.pixels());
-    for (const ImagePlane& plane : image.planes) {
-        FLARE_CHECK(plane.values.size() == image.data.pixels());
-        for (const float value : plane.values) {
-            const std::uint16_t bits = SaturatedHalf(value).bits();
-            bytes[at++] = static_cast<char>(bits & 0xff);
-            bytes[at++] = static_cast<char>(bits >> 8);
+    const std::size_t parts = (pixels - 1) / kPixelsAtOnce + 1;
+    std::vector<std::uint64_t> saturated(parts, 0);
+    threads.For(static_cast<int>(parts), [&](int part) {
+        const std::size_t begin = static_cast<std::size_t>(part) * kPixelsAtOnce;
+        const std::size_t count = std::min(kPixelsAtOnce, pixels - begin);
+        std::vector<std::uint16_t> halves(count);
+        bool any = false;
+        for (std::size_t p = 0; p < planes.size(); ++p) {
+            any |= ConvertToHalf(planes[p] + begin, count, halves.data());
+            std::memcpy(bytes.data() + first + 2 * (p * pixels + begin), halves.data(), 2 * count);
         }
-    }
-    return bytes;
+        if (!any) return;
+        saturated[static_cast<std::size_t>(part)] =
+            SaturatedPixels(planes, begin, count, kLargestHalf);
+    });
+    result.saturated_pixels = std::accumulate(saturated.begin(), saturated.end(), std::uint64_t{0});
+    return result;
 }
 
 }  // namespace flare

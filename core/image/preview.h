@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Other encodings of a FlareImage: an 8-bit PNG to look at, and raw half planes for game tools.
-// Both depend on the image alone. Safe from any thread. The image must have a pixel and a plane.
+// Both depend on the image alone, not on the number of threads. Safe from any thread. The image
+// must have a pixel and a plane.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include "core/base/parallel.h"
 #include "core/image/flare_image.h"
 
 namespace flare {
@@ -20,6 +23,10 @@ std::string EncodePng(const FlareImage& image);
 // application/x-flare-half: a 64-byte little-endian header (magic "FLRH", u32 version 1, u32 width,
 // u32 height, u32 channels, u32 bytes of names, zeros), the channel names, each ended by a zero
 // byte, then one plane of half floats a channel, saturated at 65504.
-std::string EncodeHalfPlanes(const FlareImage& image);
+struct HalfPlanes {
+    std::string bytes;
+    std::uint64_t saturated_pixels = 0;  // with a value beyond +-65504
+};
+HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads);
 
 }  // namespace flare

@@ -39,24 +39,38 @@ class CellLight {
 
     std::size_t wavelengths() const { return weights_.size(); }
 
+    // Notes the brightest cell, by which CutsOf judges what matters.
+    void Weigh(const CellPlace& place) {
+        SetCell(place);
+        brightest_ = std::max(brightest_, Weight((weights_.size() - 1) / 2, 0.5, 0.5));
+    }
+
     // How finely the cell's light must be sampled: the corners, unless the light at the middle is
-    // not their mean.
+    // not their mean. A miss counts by the ghost's brightest cell where the cell itself is dim, as
+    // towards grazing incidence.
     int CutsOf(const CellPlace& place, double tolerance) {
+        constexpr double kDim = 0.2;
         SetCell(place);
         const std::size_t last = weights_.size() - 1;
         int cuts = 1;
+        double light = 0.0;
         for (const std::size_t band : {std::size_t{0}, last / 2, last}) {
-            double sum = 0.0;
+            double mean = 0.0;
             for (std::size_t corner = 0; corner < 4; ++corner) {
-                sum += Weight(band, corner % 2 == 0 ? 0.0 : 1.0, corner < 2 ? 0.0 : 1.0);
+                mean += 0.25 * Weight(band, corner % 2 == 0 ? 0.0 : 1.0, corner < 2 ? 0.0 : 1.0);
             }
-            const double miss =
-                std::abs(Weight(band, 0.5, 0.5) - 0.25 * sum) / std::max(sum, 1e-300);
-            if (miss > 25.0 * tolerance) return 16;
-            if (miss > tolerance) cuts = 4;
+            const double middle = Weight(band, 0.5, 0.5);
+            light = std::max({light, mean, middle});
+            const double scale = std::max({mean, kDim * brightest_, 1e-300});
+            const double miss = std::abs(middle - mean) / scale;
+            if (miss > 25.0 * tolerance) {
+                cuts = 8;
+            } else if (miss > tolerance) {
+                cuts = std::max(cuts, 4);
+            }
         }
         // R has a square-root edge at the critical angle, which the middle alone may not show.
-        return NearCriticalAngle() ? 16 : cuts;
+        return NearCriticalAngle() && light > 0.02 * brightest_ ? 16 : cuts;
     }
 
     // Light at lattice point (a, b) of the cell, 0..1.
@@ -84,12 +98,22 @@ class CellLight {
             out[band] = density * Weight(band, a, b);
     }
 
+    // R and T go with the square root of the squared cosine. That bends sharply where the squared
+    // cosine comes near 0 within the cell, not where it is small all over it.
     bool NearCriticalAngle() const {
         const auto steps = static_cast<std::size_t>(mesh_.interactions);
         const auto stride = static_cast<std::size_t>(mesh_.passage_count());
-        for (std::size_t at = 0; at < corners_.size(); at += stride) {
+        const std::size_t nodes = corners_.size() / (4 * stride);
+        for (std::size_t k = 0; k < nodes; ++k) {
             for (std::size_t s = 0; s < steps; ++s) {
-                if (corners_[at + s] < 0.04 && corners_[at + s] > -0.04) return true;
+                double lo = 1.0;
+                double hi = -1.0;
+                for (std::size_t corner = 0; corner < 4; ++corner) {
+                    const double c2 = corners_[(k * 4 + corner) * stride + s];
+                    lo = std::min(lo, c2);
+                    hi = std::max(hi, c2);
+                }
+                if (lo < 0.04 && hi > -0.04 && hi > 2.0 * lo) return true;
             }
         }
         return false;
@@ -144,6 +168,7 @@ class CellLight {
     const TransmissionTables::Path& path_;
     std::vector<std::vector<double>> weights_;
     std::vector<std::vector<std::vector<double>>> at_vertex_;  // [grid][vertex][wavelength]
+    double brightest_ = 0.0;  // light at the middle of a cell, at the middle wavelength
     CellPlace cell_{-1, -1, -1};
     std::vector<double> corners_;  // [node][corner][passage]
     std::vector<double> passage_;
@@ -232,6 +257,8 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     CellLight light(*surface, bundle, tables, path);
     const auto channels = static_cast<std::size_t>(ghost.channels);
     std::size_t points = 0;
+    // Over the whole ghost, not what the window shows: a crop is drawn as the frame is.
+    for (std::size_t k = 0; k < surface->cells().size(); k += 3) light.Weigh(surface->cells()[k]);
     for (GhostLight::Cell& cell : ghost.cells) {
         cell.light_cuts = light.CutsOf(cell.place, colour.light_tolerance);
         cell.light_at = points * channels;

@@ -6,6 +6,7 @@
 
 #include "core/optics/paraxial.h"
 #include "server/cli/app.h"
+#include "server/cli/field_table.h"
 #include "server/cli/files.h"
 #include "server/cli/lens_commands.h"
 #include "server/cli/options.h"
@@ -20,6 +21,7 @@ struct ShowOptions {
     std::string lenses;
     LensState state;
     bool json = false;
+    bool field = false;
 };
 
 // One radius, or two where the sections differ.
@@ -116,7 +118,8 @@ int Show(const ShowOptions& options) {
     if (!file) return Complain("", file.error());
     const Result<LensInState> shown = SetState(*file, options.state);
     if (!shown) return Complain(options.name, shown.error());
-    if (options.json) return Print(LensJson(**file, *shown));
+    if (options.json) return Print(LensJson(**file, *shown, true));
+    if (options.field) return Print(FieldTables(*shown->lens));
     return Print(Summary(*shown) + "\n" + SurfaceTable(*shown->lens));
 }
 
@@ -128,6 +131,8 @@ void AddLensShow(CLI::App& lens, int& exit_code) {
     AddLensName(*command, options->name);
     AddStateOptions(*command, options->state);
     command->add_flag("--json", options->json, "JSON instead of a table");
+    command->add_flag("--field", options->field,
+                      "Distortion, illumination and transmittance against field angle instead");
     AddLensFolder(*command, options->lenses);
     command->callback([options, &exit_code] { exit_code = Show(*options); });
 }

@@ -3,7 +3,6 @@
 // flare render: the same request, in process or by a daemon, to the same bytes.
 #include <CLI/CLI.hpp>
 
-#include "core/image/exr.h"
 #include "protocol/client/client.h"
 #include "protocol/codec/json_document.h"
 #include "protocol/limits.h"
@@ -50,7 +49,6 @@ int RenderHere(const RenderOptions& options, const std::string& body, const Form
     const Result<LensLibrary> library = OpenLibrary(options.lenses);
     if (!library) return Complain("", library.error());
     ThreadPool threads(options.threads);
-    if (options.threads > 1) SetExrThreads(options.threads);
     TracingMeshProvider meshes;
     std::optional<Progress> progress(std::in_place, "rendering");
     const Result<ServiceReply> reply =

@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "core/optics/paraxial.h"
+#include "server/translate/field_json.h"
 #include "server/translate/json_parts.h"
 
 namespace flare {
@@ -156,7 +157,7 @@ void WriteFirstOrder(JsonWriter& json, const Lens& lens) {
 
 }  // namespace
 
-std::string LensJson(const Lens& file, const LensInState& shown) {
+std::string LensJson(const Lens& file, const LensInState& shown, bool with_field) {
     const Lens& lens = *shown.lens;
     JsonWriter json(JsonWriter::Style::kPretty);
     json.BeginObject().Member("name", lens.name());
@@ -165,6 +166,7 @@ std::string LensJson(const Lens& file, const LensInState& shown) {
     json.Key("state");
     WriteState(json, shown);
     WriteFirstOrder(json, lens);
+    if (with_field) WriteField(json, lens);
     json.Key("surfaces").BeginArray();
     for (const SurfacePrescription& surface : lens.prescription().surfaces) {
         WriteSurface(json, surface);

@@ -15,8 +15,9 @@ namespace flare {
 
 // GET /v1/lenses/NAME and `flare lens show NAME --json`: the lens `shown`, which is `file`, the
 // lens as its file has it, in some state. Focal length, pupils and the like are those of the
-// section that the design speaks of; an anamorphic lens has both as "x" and "y".
-std::string LensJson(const Lens& file, const LensInState& shown);
+// section that the design speaks of; an anamorphic lens has both as "x" and "y". The rays of the
+// field data take 0.1 s and more.
+std::string LensJson(const Lens& file, const LensInState& shown, bool with_field);
 
 // GET /v1/lenses and `flare lens list --json`: {"lenses":[{name, efl_mm, f_number, ...}],
 // "broken":[{name, error}]}.

@@ -3,19 +3,26 @@
 // What the program's work costs on this machine, case by case, with the seed lens as its file has
 // it (coated). Rates are per second of wall time; `rel_l1` cases stand in docs/performance.md
 // beside their command. Compare cases within one run only.
+#include <OpenEXR/ImfThreading.h>
 #include <benchmark/benchmark.h>
+#include <libdeflate.h>
 
 #include <chrono>
+#include <cstring>
+#include <memory>
 #include <string>
 #include <thread>
 
 #include "core/image/exr.h"
+#include "core/image/line_deflate.h"
+#include "core/image/preview.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/render/quality.h"
 #include "core/render/renderer.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "server/cache/mesh_cache.h"
 #include "server/service.h"
+#include "tests/support/library_exr.h"
 
 namespace flare {
 namespace {
@@ -143,19 +150,107 @@ void RenderWarm(benchmark::State& state, double f_number) {
     state.counters["fragments"] = Rate(fragments);
 }
 
-void EncodeZip(benchmark::State& state) {
-    ThreadPool threads(Threads());
-    TracingMeshProvider meshes;
-    FlareRequest request = SeedRequest(4.0);
-    request.quality = QualityPreset::kDraft;
-    const Result<Rendering> rendering = Render(request, {threads, meshes, CancelToken(), NowMs});
-    SetExrThreads(Threads());
-    double bytes = 0.0;
-    for (auto _ : state) {
-        bytes = static_cast<double>(EncodeExr(rendering->image, {}).bytes.size());
-    }
-    state.counters["file_bytes"] = bytes;
+// A real picture, a draft of the seed lens, for the encoders.
+const FlareImage& Picture() {
+    static const FlareImage image = [] {
+        ThreadPool threads(Threads());
+        TracingMeshProvider meshes;
+        FlareRequest request = SeedRequest(4.0);
+        request.quality = QualityPreset::kDraft;
+        return Render(request, {threads, meshes, CancelToken(), NowMs}).value().image;
+    }();
+    return image;
+}
+
+void CountBytes(benchmark::State& state, std::size_t bytes) {
+    state.counters["bytes"] = static_cast<double>(bytes);
     state.counters["pixels"] = Rate(1920.0 * 1080.0 * static_cast<double>(state.iterations()));
+}
+
+void EncodeOurs(benchmark::State& state, ExrCompression compression, int thread_count) {
+    const FlareImage& image = Picture();
+    ThreadPool threads(thread_count);
+    std::size_t bytes = 0;
+    for (auto _ : state) {
+        bytes = EncodeExr(image, {compression, ExrPixel::kHalf}, threads).bytes.size();
+    }
+    CountBytes(state, bytes);
+}
+
+// The same by OpenEXR's own classes, which share bands among the library's threads.
+void EncodeLibrary(benchmark::State& state, ExrCompression compression, int thread_count) {
+    const FlareImage& image = Picture();
+    Imf::setGlobalThreadCount(thread_count > 1 ? thread_count : 0);
+    std::size_t bytes = 0;
+    for (auto _ : state) {
+        bytes = EncodeByLibrary(image, {compression, ExrPixel::kHalf}).size();
+    }
+    Imf::setGlobalThreadCount(0);
+    CountBytes(state, bytes);
+}
+
+void EncodeHalf(benchmark::State& state, int thread_count) {
+    const FlareImage& image = Picture();
+    ThreadPool threads(thread_count);
+    std::size_t bytes = 0;
+    for (auto _ : state) bytes = EncodeHalfPlanes(image, threads).bytes.size();
+    CountBytes(state, bytes);
+}
+
+// The arranged bytes of each chunk of a ZIP file of half planes, taken out of the file again.
+std::vector<std::string> ArrangedChunks(const std::string& file, const FlareImage& image) {
+    std::vector<std::string> chunks;
+    const std::size_t line_bytes =
+        2 * image.planes.size() * static_cast<std::size_t>(image.data.width);
+    // The first chunk lies behind the table, of which the last entry is 8 bytes in front of it.
+    const auto count = static_cast<std::size_t>((image.data.height + 15) / 16);
+    std::size_t at = 0;
+    for (std::uint64_t first = 0; first != at + 8 * count; ++at) {
+        std::memcpy(&first, file.data() + at + 1, 8);
+    }
+    at += 8 * count;
+    const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> inflate(
+        libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
+    for (std::size_t chunk = 0; chunk < count; ++chunk) {
+        std::int32_t size = 0;
+        std::memcpy(&size, file.data() + at + 4, 4);
+        const std::size_t lines =
+            std::min<std::size_t>(16, static_cast<std::size_t>(image.data.height) - 16 * chunk);
+        std::string bytes(line_bytes * lines, '\0');
+        const auto packed = static_cast<std::size_t>(size);
+        if (libdeflate_zlib_decompress(inflate.get(), file.data() + at + 8, packed, bytes.data(),
+                                       bytes.size(), nullptr) == LIBDEFLATE_SUCCESS) {
+            chunks.push_back(std::move(bytes));
+        }
+        at += 8 + packed;
+    }
+    return chunks;
+}
+
+// The last step of ZIP alone, one thread: ours (level 0 here) or a level of libdeflate.
+void DeflateChunks(benchmark::State& state, int level) {
+    const FlareImage& image = Picture();
+    ThreadPool threads(1);
+    const std::vector<std::string> chunks =
+        ArrangedChunks(EncodeExr(image, {}, threads).bytes, image);
+    const auto segment = static_cast<std::size_t>(image.data.width);
+    std::vector<unsigned char> out(chunks.front().size() + LineDeflater::kSlack);
+    const std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> general(
+        libdeflate_alloc_compressor(level), libdeflate_free_compressor);
+    LineDeflater ours;
+    std::size_t bytes = 0;
+    for (auto _ : state) {
+        bytes = 0;
+        for (const std::string& chunk : chunks) {
+            bytes += level == 0
+                         ? ours.Deflate(reinterpret_cast<const unsigned char*>(chunk.data()),
+                                        chunk.size(), segment, image.planes.size() / 2 * segment,
+                                        out.data(), chunk.size())
+                         : libdeflate_zlib_compress(general.get(), chunk.data(), chunk.size(),
+                                                    out.data(), chunk.size());
+        }
+    }
+    CountBytes(state, bytes);
 }
 
 // From the body of a request to the bytes of its reply, meshes in the cache.
@@ -163,7 +258,6 @@ void RequestWarm(benchmark::State& state) {
     const Result<LensLibrary> library =
         LensLibrary::Load(std::string(FLARE_SOURCE_DIR) + "/lenses");
     ThreadPool threads(Threads());
-    SetExrThreads(Threads());
     MeshCache cache(std::size_t{1} << 30);
     const ServiceContext context{*library, threads, cache, CancelToken(), NowMs};
     const std::string body = R"({"lens": "tronnier-double-gauss-50mm-f2", "f_number": 4,
@@ -197,7 +291,26 @@ int main(int argc, char** argv) {
     RegisterBenchmark("render/seed_f2_1080p_warm", flare::RenderWarm, 2.0)
         ->Unit(milliseconds)
         ->UseRealTime();
-    RegisterBenchmark("exr/1080p_zip", flare::EncodeZip)->Unit(milliseconds)->UseRealTime();
+    for (const int n : {1, 2}) {
+        const std::string threads = "/threads_" + std::to_string(n);
+        const auto add = [&](const std::string& name, auto function, auto... arguments) {
+            RegisterBenchmark(("encode/" + name + threads).c_str(), function, arguments..., n)
+                ->Unit(milliseconds)
+                ->UseRealTime();
+        };
+        using flare::ExrCompression;
+        add("exr_zip", flare::EncodeOurs, ExrCompression::kZip);
+        add("exr_zip_library", flare::EncodeLibrary, ExrCompression::kZip);
+        add("exr_none", flare::EncodeOurs, ExrCompression::kNone);
+        add("exr_none_library", flare::EncodeLibrary, ExrCompression::kNone);
+        add("half", flare::EncodeHalf);
+    }
+    RegisterBenchmark("deflate/ours", flare::DeflateChunks, 0)->Unit(milliseconds);
+    for (const int level : {1, 2, 4}) {
+        RegisterBenchmark(("deflate/libdeflate_" + std::to_string(level)).c_str(),
+                          flare::DeflateChunks, level)
+            ->Unit(milliseconds);
+    }
     RegisterBenchmark("request/seed_f4_1080p_warm", flare::RequestWarm)
         ->Unit(milliseconds)
         ->UseRealTime();

@@ -97,8 +97,9 @@ TEST(DecodeExr, GivesBackWhatEncodeExrWrote) {
     image.pixel_aspect = 1.5;
     image.text_attributes = {{"lensModel", "x"}};
     image.number_attributes = {{"aperture", 4.0}, {"focus", 2.5}};
+    ThreadPool threads(2);
     const Result<FlareImage> read =
-        DecodeExr(EncodeExr(image, {ExrCompression::kZip, ExrPixel::kFloat}).bytes);
+        DecodeExr(EncodeExr(image, {ExrCompression::kZip, ExrPixel::kFloat}, threads).bytes);
     ASSERT_TRUE(read.ok()) << read.error().message;
     EXPECT_EQ(read->full, image.full);
     EXPECT_EQ(read->data, image.data);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/preview.h"
 
+#include <Imath/half.h>
 #include <gtest/gtest.h>
 #include <png.h>
 
@@ -105,7 +106,10 @@ TEST(EncodePng, SpectralPlanesAreShownAsGreyMeanOfTheFirstLayer) {
 TEST(EncodeHalfPlanes, LayoutIsAsStated) {
     FlareImage image = Flat(3, 2, {{"R", 1.0f}, {"ghosts.R", -2.0f}});
     image.planes[1].values[5] = 1e9f;
-    const std::string bytes = EncodeHalfPlanes(image);
+    ThreadPool threads(2);
+    const HalfPlanes planes = EncodeHalfPlanes(image, threads);
+    const std::string& bytes = planes.bytes;
+    EXPECT_EQ(planes.saturated_pixels, 1u);
     const std::string names("R\0ghosts.R\0", 11);
     ASSERT_EQ(bytes.size(), 64 + names.size() + 2u * 2u * 6u);
     EXPECT_EQ(bytes.substr(0, 24),
@@ -120,6 +124,23 @@ TEST(EncodeHalfPlanes, LayoutIsAsStated) {
     EXPECT_EQ(half(0, 0), 0x3c00);  // IEEE 754 binary16: 1, -2, 65504
     EXPECT_EQ(half(1, 0), 0xc000);
     EXPECT_EQ(half(1, 5), 0x7bff);
+}
+
+TEST(EncodeHalfPlanes, LargePicturesComeOutTheSameOnAnyNumberOfThreads) {
+    const FlareImage image = Gradient(401, 307, {"G", "R"});
+    ThreadPool one(1);
+    const std::string bytes = EncodeHalfPlanes(image, one).bytes;
+    for (const int count : {2, 5}) {
+        ThreadPool threads(count);
+        EXPECT_TRUE(EncodeHalfPlanes(image, threads).bytes == bytes) << count;
+    }
+    const std::size_t pixels = image.data.pixels();
+    for (std::size_t k = 0; k < 2 * pixels; ++k) {
+        std::uint16_t bits = 0;
+        std::memcpy(&bits, bytes.data() + 64 + 4 + 2 * k, 2);
+        const float value = image.planes[k / pixels].values[k % pixels];
+        ASSERT_EQ(bits, Imath::half(value).bits()) << k;
+    }
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ std::shared_ptr<const Lens> SeedLens() {
 std::string Shown(const std::shared_ptr<const Lens>& lens, const LensState& state = {}) {
     const auto shown = SetState(lens, state);
     EXPECT_TRUE(shown);
-    return LensJson(*lens, *shown);
+    return LensJson(*lens, *shown, false);
 }
 
 JsonDocument Parsed(const std::string& text) {
