@@ -14,10 +14,10 @@ namespace flare::limits {
 inline constexpr std::size_t kBodyBytes = std::size_t{16} << 20;
 inline constexpr int kJsonDepth = 16;                  // objects and arrays inside each other
 inline constexpr std::size_t kJsonValues = 2'000'000;  // values in one body, containers included
-inline constexpr std::size_t kJsonMembers = 64;        // members of one object
+inline constexpr std::size_t kJsonMembers = 128;       // members of one object
 inline constexpr std::size_t kJsonKeyBytes = 128;      // of a member's name
 inline constexpr std::size_t kStringBytes = 16'384;    // of any string
-inline constexpr std::size_t kNameBytes = 200;         // of a lens name
+inline constexpr std::size_t kNameBytes = 200;         // of the name of a lens or a coating
 
 // The HTTP message around it.
 inline constexpr std::size_t kHeaderBytes = 16'384;
@@ -40,23 +40,28 @@ inline constexpr double kMaxWavelength_nm = 1'100.0;
 inline constexpr std::size_t kLights = 100'000;
 inline constexpr double kMaxIrradiance = 1e30;  // in the request's own unit
 inline constexpr double kMinDistance_m = 1e-3;
-inline constexpr double kMaxDistance_m = 1e20;
+inline constexpr double kMaxDistance_m = 1e20;  // of the focus, too
 inline constexpr double kMaxPixelCoordinate = 1e6;
 
 // The lens.
 inline constexpr double kMinFNumber = 1e-3;
 inline constexpr double kMaxFNumber = 10'000.0;
+inline constexpr double kMaxZoom_mm = 1e6;
 inline constexpr int kMinBlades = 3;
 inline constexpr int kMaxBlades = 32;
 inline constexpr double kMaxRotation_deg = 36'000.0;
-inline constexpr std::size_t kSurfaces = 100;              // of an inline prescription
+inline constexpr std::size_t kSurfaces = 100;              // of a lens
 inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one
+
+// The model.
+inline constexpr double kMaxFourReflectionThreshold = 1e6;  // peak irradiance for E0 = 1
 
 // The ray tracer's input.
 inline constexpr std::size_t kTraceRays = 200'000;
 inline constexpr std::size_t kBounces = 8;
 
-// The report in a header.
+// The report: rows of ghosts in the whole, and its size in a header.
+inline constexpr std::size_t kReportGhosts = 4'096;
 inline constexpr std::size_t kReportSummaryBytes = 4'096;
 
 }  // namespace flare::limits

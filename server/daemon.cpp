@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The handler refuses what it can from the head alone, answers small things on the transport's
-// thread, and hands pictures and ghost lists to the scheduler. Each request ends in exactly one
-// call of Answer or Abandon, which count and log it.
+// thread, and hands pictures, lenses in a state and ghost lists to the scheduler. Each request ends
+// in exactly one call of Answer or Abandon, which count and log it.
 #include "server/daemon.h"
 
 #include <spdlog/spdlog.h>
@@ -14,6 +14,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/lens_query.h"
 #include "server/negotiation.h"
 #include "server/refusals.h"
 #include "server/report_store.h"
@@ -63,7 +64,12 @@ class Daemon::Handler final : public HttpHandler {
     HttpReply Metrics() const;
     HttpReply ReportReply(const std::string& id) const;
     void SubmitFlare(HttpRequest request, const ExchangePtr& exchange);
-    void SubmitGhosts(HttpRequest request, const std::string& lens, const ExchangePtr& exchange);
+    void SubmitLens(const HttpRequest& request, const std::string& lens,
+                    const ExchangePtr& exchange);
+    void SubmitGhosts(const HttpRequest& request, const std::string& lens,
+                      const ExchangePtr& exchange);
+    template <class Work>
+    void SubmitJson(const HttpRequest& request, const ExchangePtr& exchange, const Work& work);
     void Submit(Job job, const ExchangePtr& exchange);
     template <class Work>
     void RunGuarded(const JobTicket& ticket, const ExchangePtr& exchange, const Work& work);
@@ -97,7 +103,8 @@ std::optional<HttpReply> Daemon::Handler::Refuse(const HttpHead& head) {
     } else if (route->id == RouteId::kFlare) {
         reply = RefuseFlareHead(head);
     }
-    const bool is_work = route && (route->id == RouteId::kFlare || route->id == RouteId::kGhosts);
+    const bool is_work = route && (route->id == RouteId::kFlare || route->id == RouteId::kLens ||
+                                   route->id == RouteId::kGhosts);
     if (!reply && is_work && draining_) reply = RefusalReply(Refusal::kDraining);
     if (reply)
         counters_.CountRequest(route ? std::string(route->pattern) : "other", reply->status, 0.0);
@@ -133,8 +140,11 @@ void Daemon::Handler::Handle(HttpRequest request, Done done) {
     exchange->route = route->pattern;
     exchange->done = std::move(done);
     if (route->id == RouteId::kFlare) return SubmitFlare(std::move(request), exchange);
+    if (route->id == RouteId::kLens) {
+        return SubmitLens(request, route->name, exchange);
+    }
     if (route->id == RouteId::kGhosts) {
-        return SubmitGhosts(std::move(request), route->name, exchange);
+        return SubmitGhosts(request, route->name, exchange);
     }
     if (!request.head.query.empty()) {
         return Answer(ErrorReply(400, {"bad_query", "this route takes no query", "?"}), exchange);
@@ -146,11 +156,6 @@ HttpReply Daemon::Handler::AnswerNow(const Route& route) {
     switch (route.id) {
         case RouteId::kLenses:
             return TextReply(kJson, services_.lens_list);
-        case RouteId::kLens: {
-            Result<std::string> lens = services_.lens(route.name);
-            if (!lens) return ErrorReply(StatusFor(lens.error().code), lens.error());
-            return TextReply(kJson, std::move(*lens));
-        }
         case RouteId::kReport:
             return ReportReply(route.name);
         case RouteId::kOpenApi:
@@ -163,6 +168,7 @@ HttpReply Daemon::Handler::AnswerNow(const Route& route) {
             return draining_ ? RefusalReply(Refusal::kDraining)
                              : TextReply("text/plain", "ready\n");
         case RouteId::kFlare:
+        case RouteId::kLens:
         case RouteId::kGhosts:
         case RouteId::kNotBuilt:
             break;
@@ -212,19 +218,39 @@ void Daemon::Handler::SubmitFlare(HttpRequest request, const ExchangePtr& exchan
     Submit(std::move(job), exchange);
 }
 
-void Daemon::Handler::SubmitGhosts(HttpRequest request, const std::string& lens,
+void Daemon::Handler::SubmitLens(const HttpRequest& request, const std::string& lens,
+                                 const ExchangePtr& exchange) {
+    const Result<LensState> state = ParseLensQuery(request.head.query);
+    if (!state) {
+        return Answer(ErrorReply(StatusFor(state.error().code), state.error()), exchange);
+    }
+    SubmitJson(request, exchange, [this, lens, state = *state](const CancelToken&) {
+        return services_.lens(lens, state);
+    });
+}
+
+void Daemon::Handler::SubmitGhosts(const HttpRequest& request, const std::string& lens,
                                    const ExchangePtr& exchange) {
     const Result<GhostQuery> query = ParseGhostQuery(request.head.query);
     if (!query) {
         return Answer(ErrorReply(StatusFor(query.error().code), query.error()), exchange);
     }
+    SubmitJson(request, exchange, [this, lens, query = *query](const CancelToken& cancel) {
+        return services_.ghosts(lens, query, cancel);
+    });
+}
+
+// `work` gives a JSON text or an error.
+template <class Work>
+void Daemon::Handler::SubmitJson(const HttpRequest& request, const ExchangePtr& exchange,
+                                 const Work& work) {
     Job job;
     job.cancel = request.cancel;
-    job.run = [this, lens, query = *query, exchange](const JobTicket& ticket) {
+    job.run = [this, exchange, work](const JobTicket& ticket) {
         RunGuarded(ticket, exchange, [&] {
-            Result<std::string> ghosts = services_.ghosts(lens, query, ticket.cancel());
-            if (!ghosts) return AnswerError(ghosts.error(), ticket, exchange);
-            Answer(TextReply(kJson, std::move(*ghosts)), exchange);
+            Result<std::string> text = work(ticket.cancel());
+            if (!text) return AnswerError(text.error(), ticket, exchange);
+            Answer(TextReply(kJson, std::move(*text)), exchange);
         });
     };
     Submit(std::move(job), exchange);

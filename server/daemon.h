@@ -16,11 +16,11 @@
 #include "core/base/cancel.h"
 #include "core/base/result.h"
 #include "server/counters_table.h"
-#include "server/ghost_query.h"
 #include "server/http/listening_socket.h"
 #include "server/http/server.h"
 #include "server/schedule/scheduler.h"
 #include "server/service.h"
+#include "server/translate/ghost_query.h"
 
 namespace flare {
 
@@ -35,10 +35,11 @@ struct DaemonServices {
     std::function<std::uint64_t(std::string_view body)> picture_bytes;
     std::function<Result<std::string>(const std::string& lens, const GhostQuery& query,
                                       const CancelToken& cancel)>
-        ghosts;                                                        // JSON
-    std::function<Result<std::string>(const std::string& lens)> lens;  // JSON
-    std::string lens_list;                                             // JSON
-    std::string_view openapi;                                          // YAML; outlives the daemon
+        ghosts;  // JSON
+    std::function<Result<std::string>(const std::string& lens, const LensState& state)>
+        lens;                  // JSON
+    std::string lens_list;     // JSON
+    std::string_view openapi;  // YAML; outlives the daemon
     std::function<CacheReadings()> cache;
 };
 

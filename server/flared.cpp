@@ -143,7 +143,9 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
                                 const CancelToken& cancel) {
         return ServeGhosts(lens, query, context(cancel));
     };
-    services.lens = [&lenses](const std::string& name) { return ServeLens(name, lenses); };
+    services.lens = [&lenses](const std::string& name, const LensState& state) {
+        return ServeLens(name, state, lenses);
+    };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();
     services.cache = [&meshes] { return CacheReadings{meshes.stats(), meshes.rays_traced()}; };

@@ -6,13 +6,14 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "server/ghost_query.h"
 #include "server/lens_library.h"
 #include "server/service.h"
+#include "server/translate/ghost_query.h"
 
 namespace flare {
 
-Result<std::string> ServeLens(const std::string& name, const LensLibrary& lenses);
+Result<std::string> ServeLens(const std::string& name, const LensState& state,
+                              const LensLibrary& lenses);
 
 Result<std::string> ServeGhosts(const std::string& name, const GhostQuery& query,
                                 const ServiceContext& context);

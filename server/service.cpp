@@ -59,7 +59,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     // Encode the picture with the facts that follow from the request alone.
     ReplyFacts facts;
     facts.id = report_id;
-    facts.request_hash = RequestHash(wire_request, *request->lens).hex();
+    facts.request_hash = RequestHash(wire_request, *request).hex();
     AddFactAttributes(*request, report.facts, facts.request_hash, image);
     const double start_ms = context.now_ms();
     Picture picture = Encode(image, format, wire_request.output, context.threads);

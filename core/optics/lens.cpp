@@ -176,6 +176,12 @@ double Lens::f_number() const {
     return std::sqrt(first_order_[0].f_number * first_order_[1].f_number);
 }
 
+double Lens::squeeze() const {
+    if (rotational_) return 1.0;
+    const double ratio = std::abs(first_order_[1].efl_mm / first_order_[0].efl_mm);
+    return std::isfinite(ratio) && ratio > 0.0 ? ratio : 1.0;
+}
+
 std::shared_ptr<const Lens> Lens::WithBareGlass() const {
     auto bare = std::make_shared<Lens>(*this);
     bare->prescription_.default_coating = "bare";

@@ -88,9 +88,9 @@ class Lens {
     }
     // Is every surface the same all around the axis?
     bool rotational() const { return rotational_; }
-    // EFL in y over EFL in x: how much narrower than it is the scene stands on the sensor. 1 for a
-    // rotational lens.
-    double squeeze() const { return first_order_[1].efl_mm / first_order_[0].efl_mm; }
+    // EFL in y over EFL in x, as sizes: how much narrower than it is the scene stands on the
+    // sensor. 1 for a rotational lens and where a section has no focal length.
+    double squeeze() const;
     // The centre of the entrance pupil, from which directions and distances are measured; between
     // the two sections' pupils in an anamorphic lens.
     double pupil_z_mm() const {

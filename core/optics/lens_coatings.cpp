@@ -17,7 +17,7 @@ std::optional<Error> FaultOf(const CoatingOverride& coatings, const Prescription
     }
     for (const auto& [surface, name] : coatings.surfaces) {
         const std::string where = "/surfaces/" + std::to_string(surface);
-        const std::size_t count = prescription.surfaces.size();
+        const std::size_t count = prescription.optical_count();
         if (surface < 0 || static_cast<std::size_t>(surface) >= count) {
             return Error{"bad_value",
                          "there is no surface " + std::to_string(surface) +

@@ -19,7 +19,8 @@ Coating CoatingFor(const Prescription& prescription, const SurfacePrescription& 
                    const Glass& before, const Glass& behind);
 
 // Coatings for Lens::WithCoatings, by the names a lens file may use. A bad name is an error of code
-// "bad_value" at "/default" or "/surfaces/N", as is a surface that does not exist or is the stop.
+// "bad_value" at "/default" or "/surfaces/N", as is a surface that does not exist or is the stop or
+// the sensor.
 struct CoatingOverride {
     // For every surface between air and glass, also for those that name a coating of their own.
     std::optional<std::string> default_coating;

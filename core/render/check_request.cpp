@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/render/lights.h"
 #include "core/render/renderer.h"
 
 namespace flare {
@@ -114,7 +115,8 @@ std::optional<Error> CheckModel(const FlareRequest& request) {
     if (model.reflections != 2 && model.reflections != 4) {
         return Bad("/model/reflections", "must be 2 or 4");
     }
-    if (!(model.four_reflection_threshold > 0.0 && model.four_reflection_threshold <= 1e6)) {
+    if (!(model.four_reflection_threshold > 0.0 &&
+          model.four_reflection_threshold <= kMaxFourReflectionThreshold)) {
         return Bad("/model/four_reflection_threshold", "must be above 0 and at most 1000000");
     }
     if (model.sensor_reflection && !request.lens->sensor()) {
@@ -147,6 +149,13 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
             ? static_cast<int>(std::min<std::size_t>(request.wavelengths_nm.size(), 100'000))
             : 3;
     if (auto error = CheckImage(request.image, channels)) return error;
+    // Files cannot say more, and a lens's sections can differ by any factor.
+    const double shown_aspect = ShownPixelAspect(request);
+    if (!(shown_aspect >= 1e-4) || !(shown_aspect <= 1e4)) {
+        return Bad("/image/pixel_aspect",
+                   "with the lens's squeeze the picture's pixel aspect is not within 0.0001 to "
+                   "10000");
+    }
     if (auto error = CheckWavelengths(request)) return error;
     if (request.lights.size() > static_cast<std::size_t>(kMaxLights)) {
         return Bad("/lights", "at most " + std::to_string(kMaxLights) + " lights", "too_large");

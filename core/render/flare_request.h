@@ -73,5 +73,6 @@ inline constexpr int kMaxLights = 100'000;
 inline constexpr int kMaxImageSide = 16'384;
 inline constexpr long long kMaxImagePixels = 1LL << 26;
 inline constexpr int kMaxWavelengths = 1'000;
+inline constexpr double kMaxFourReflectionThreshold = 1e6;
 
 }  // namespace flare

@@ -8,18 +8,12 @@
 #include <algorithm>
 
 #include "protocol/codec/image_codec.h"
+#include "protocol/codec/lens_codec.h"
 #include "protocol/codec/reader.h"
 #include "protocol/limits.h"
 
 namespace flare::wire {
 namespace {
-
-// null, or a positive number that a later version will understand.
-bool ReadNotBuiltLength(Reader& reader, const JsonView& at) {
-    if (at.kind() == JsonKind::kNull) return true;
-    double value = 0.0;
-    return reader.Number(at, {0.0, Range{}.max, true, false}, value) && reader.Unsupported(at);
-}
 
 bool ReadDirection(Reader& reader, const JsonView& at, Light& light) {
     std::array<double, 3>& direction = light.direction.emplace();
@@ -114,25 +108,31 @@ bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset) {
                                 preset);
 }
 
-bool ReadModel(Reader& reader, const JsonView& at, Ringing& ringing) {
-    return reader.Object(at, {"reflections", "ringing", "sensor_reflection"}) &&
-           IfGiven(at, "reflections",
+bool ReadReflections(Reader& reader, const JsonView& at, int& reflections) {
+    double count = 0.0;
+    if (!reader.Number(at, Range{}, count)) return false;
+    reflections = count == 4.0 ? 4 : 2;
+    return count == 2.0 || count == 4.0 || reader.Refuse(at, "bad_value", "reflections is 2 or 4");
+}
+
+bool ReadModel(Reader& reader, const JsonView& at, Model& model) {
+    return reader.Object(
+               at, {"reflections", "four_reflection_threshold", "ringing", "sensor_reflection"}) &&
+           IfGiven(
+               at, "reflections",
+               [&](const JsonView& v) { return ReadReflections(reader, v, model.reflections); }) &&
+           IfGiven(at, "four_reflection_threshold",
                    [&](const JsonView& v) {
-                       double count = 0.0;
-                       if (!reader.Number(v, Range{}, count)) return false;
-                       if (count == 4.0) return reader.Unsupported(v);
-                       return count == 2.0 ||
-                              reader.Refuse(v, "bad_value", "reflections is 2 or 4");
+                       return reader.Number(v, AboveZeroUpTo(limits::kMaxFourReflectionThreshold),
+                                            model.four_reflection_threshold);
                    }) &&
            IfGiven(at, "ringing",
                    [&](const JsonView& v) {
                        return reader.OneOf<Ringing>(
-                           v, {{"auto", Ringing::kAuto}, {"off", Ringing::kOff}}, ringing);
+                           v, {{"auto", Ringing::kAuto}, {"off", Ringing::kOff}}, model.ringing);
                    }) &&
-           IfGiven(at, "sensor_reflection", [&](const JsonView& v) {
-               bool asked = false;
-               return reader.Boolean(v, asked) && (!asked || reader.Unsupported(v));
-           });
+           IfGiven(at, "sensor_reflection",
+                   [&](const JsonView& v) { return reader.Boolean(v, model.sensor_reflection); });
 }
 
 bool ReadOutput(Reader& reader, const JsonView& at, Output& output) {
@@ -186,19 +186,6 @@ bool ReadColor(Reader& reader, const JsonView& root, FlareRequest& request) {
                                          "wavelengths_nm goes with color_space \"spectral\"");
 }
 
-bool ReadLens(Reader& reader, const JsonView& root, FlareRequest& request) {
-    LensChoice choice;
-    if (!ReadLensChoice(reader, root, choice)) return false;
-    request.lens = std::move(choice.lens);
-    request.prescription = std::move(choice.prescription);
-    request.bare_glass = choice.bare_glass;
-    request.f_number = choice.f_number;
-    const auto not_built = [&](const JsonView& v) { return ReadNotBuiltLength(reader, v); };
-    return IfGiven(root, "focus_m", not_built) && IfGiven(root, "zoom_mm", not_built) &&
-           IfGiven(root, "iris",
-                   [&](const JsonView& v) { return ReadIris(reader, v, request.iris); });
-}
-
 bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
     std::optional<JsonView> image, lights;
     return reader.Object(root,
@@ -206,8 +193,11 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                           "iris", "image", "lights", "layers", "units", "color_space",
                           "wavelengths_nm", "quality", "model", "output"},
                          {"encoder", "starburst"}) &&
-           ReadLens(reader, root, request) && reader.Require(root, "image", image) &&
-           ReadImage(reader, *image, request.image) && ReadColor(reader, root, request) &&
+           ReadLensChoice(reader, root, request.lens) &&
+           IfGiven(root, "iris",
+                   [&](const JsonView& v) { return ReadIris(reader, v, request.iris); }) &&
+           reader.Require(root, "image", image) && ReadImage(reader, *image, request.image) &&
+           ReadColor(reader, root, request) &&
            CheckPictureSize(reader, *image, request.image,
                             std::max<std::size_t>(3, request.wavelengths_nm.size())) &&
            reader.Require(root, "lights", lights) &&
@@ -224,7 +214,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
            IfGiven(root, "quality",
                    [&](const JsonView& v) { return ReadQuality(reader, v, request.preset); }) &&
            IfGiven(root, "model",
-                   [&](const JsonView& v) { return ReadModel(reader, v, request.ringing); }) &&
+                   [&](const JsonView& v) { return ReadModel(reader, v, request.model); }) &&
            IfGiven(root, "output",
                    [&](const JsonView& v) { return ReadOutput(reader, v, request.output); });
 }

@@ -34,28 +34,13 @@ bool CheckSides(Reader& reader, const JsonView& at, const Image& image) {
     return true;
 }
 
-bool CheckPrescriptionSize(Reader& reader, const JsonView& at) {
-    if (!(at.kind() == JsonKind::kObject)) {
-        return reader.Refuse(at, "bad_type", "a prescription is an object");
-    }
-    const std::optional<JsonView> surfaces = at.Find("surface");
-    if (surfaces && surfaces->kind() == JsonKind::kArray &&
-        !reader.Array(*surfaces, limits::kSurfaces)) {
-        return false;
-    }
-    return at.value_count() <= limits::kPrescriptionValues ||
-           reader.Refuse(at, "limit",
-                         "the prescription has more than " +
-                             std::to_string(limits::kPrescriptionValues) + " values");
-}
-
 }  // namespace
 
 bool ReadImage(Reader& reader, const JsonView& at, Image& image) {
     std::optional<JsonView> width, height, sensor_width;
     const bool read =
         reader.Object(at, {"width", "height", "sensor_width_mm", "crop", "overscan",
-                           "center_offset_mm", "pixel_aspect", "projection"}) &&
+                           "center_offset_mm", "pixel_aspect", "projection", "desqueeze"}) &&
         reader.Require(at, "width", width) && reader.Integer(*width, 1, kImageSide, image.width) &&
         reader.Require(at, "height", height) &&
         reader.Integer(*height, 1, kImageSide, image.height) &&
@@ -82,11 +67,14 @@ bool ReadImage(Reader& reader, const JsonView& at, Image& image) {
                     return reader.Integers(v, 0, kImageSide, image.crop.emplace()) &&
                            CheckCrop(reader, v, image);
                 }) &&
-        IfGiven(at, "projection", [&](const JsonView& v) {
-            return reader.OneOf<Projection>(
-                v, {{"rectilinear", Projection::kRectilinear}, {"lens", Projection::kLens}},
-                image.projection);
-        });
+        IfGiven(at, "projection",
+                [&](const JsonView& v) {
+                    return reader.OneOf<Projection>(
+                        v, {{"rectilinear", Projection::kRectilinear}, {"lens", Projection::kLens}},
+                        image.projection);
+                }) &&
+        IfGiven(at, "desqueeze",
+                [&](const JsonView& v) { return reader.Boolean(v, image.desqueeze); });
     return read && CheckSides(reader, at, image);
 }
 
@@ -118,32 +106,6 @@ bool ReadIris(Reader& reader, const JsonView& at, Iris& iris) {
                    }) &&
            IfGiven(at, "rotation_deg", [&](const JsonView& v) {
                return reader.Number(v, Within(limits::kMaxRotation_deg), iris.rotation_deg);
-           });
-}
-
-bool ReadLensChoice(Reader& reader, const JsonView& root, LensChoice& choice) {
-    const std::optional<JsonView> lens = root.Find("lens");
-    const std::optional<JsonView> prescription = root.Find("prescription");
-    if (!lens && !prescription) {
-        return reader.RefuseMember(root, "lens", "missing_field",
-                                   "neither \"lens\" nor \"prescription\" is there");
-    }
-    if (lens && prescription) {
-        return reader.Refuse(*prescription, "bad_value",
-                             "\"lens\" and \"prescription\" exclude each other");
-    }
-    if (lens && !reader.Text(*lens, limits::kNameBytes, choice.lens.emplace())) return false;
-    if (prescription) {
-        if (!CheckPrescriptionSize(reader, *prescription)) return false;
-        choice.prescription = prescription->Tree();
-    }
-    return IfGiven(root, "coatings",
-                   [&](const JsonView& v) {
-                       return reader.OneOf<bool>(v, {{"none", true}}, choice.bare_glass);
-                   }) &&
-           IfGiven(root, "f_number", [&](const JsonView& v) {
-               return reader.Number(v, FromUpTo(limits::kMinFNumber, limits::kMaxFNumber),
-                                    choice.f_number.emplace());
            });
 }
 

@@ -31,6 +31,9 @@ constexpr Range Between(double min, double max) {
 constexpr Range FromUpTo(double min, double limit) {
     return {min, limit, false, true};
 }
+constexpr Range AboveZeroUpTo(double limit) {
+    return {0.0, limit, true, true};
+}
 constexpr Range Within(double limit) {
     return {-limit, limit, false, true};
 }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "protocol/codec/image_codec.h"
+#include "protocol/codec/lens_codec.h"
 #include "protocol/codec/reader.h"
 #include "protocol/limits.h"
 
@@ -44,32 +44,27 @@ bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence
 bool ReadRequest(Reader& reader, const JsonView& root, TraceRequest& request) {
     enum class Precision { kDouble };
     Precision precision = Precision::kDouble;
-    LensChoice choice;
     std::optional<JsonView> rays;
-    const bool read =
-        reader.Object(root, {"lens", "prescription", "coatings", "f_number", "wavelength_nm",
-                             "sequence", "precision", "clip", "rays"}) &&
-        ReadLensChoice(reader, root, choice) &&
-        IfGiven(root, "wavelength_nm",
-                [&](const JsonView& v) {
-                    return reader.Number(
-                        v, FromUpTo(limits::kMinWavelength_nm, limits::kMaxWavelength_nm),
-                        request.wavelength_nm);
-                }) &&
-        IfGiven(root, "sequence",
-                [&](const JsonView& v) { return ReadSequence(reader, v, request.sequence); }) &&
-        IfGiven(root, "precision",
-                [&](const JsonView& v) {
-                    return reader.OneOf<Precision>(v, {{"double", Precision::kDouble}}, precision,
-                                                   {"float"});
-                }) &&
-        IfGiven(root, "clip", [&](const JsonView& v) { return reader.Boolean(v, request.clip); }) &&
-        reader.Require(root, "rays", rays) && ReadRays(reader, *rays, request.rays);
-    request.lens = std::move(choice.lens);
-    request.prescription = std::move(choice.prescription);
-    request.bare_glass = choice.bare_glass;
-    request.f_number = choice.f_number;
-    return read;
+    return reader.Object(root,
+                         {"lens", "prescription", "coatings", "f_number", "focus_m", "zoom_mm",
+                          "wavelength_nm", "sequence", "precision", "clip", "rays"}) &&
+           ReadLensChoice(reader, root, request.lens) &&
+           IfGiven(root, "wavelength_nm",
+                   [&](const JsonView& v) {
+                       return reader.Number(
+                           v, FromUpTo(limits::kMinWavelength_nm, limits::kMaxWavelength_nm),
+                           request.wavelength_nm);
+                   }) &&
+           IfGiven(root, "sequence",
+                   [&](const JsonView& v) { return ReadSequence(reader, v, request.sequence); }) &&
+           IfGiven(root, "precision",
+                   [&](const JsonView& v) {
+                       return reader.OneOf<Precision>(v, {{"double", Precision::kDouble}},
+                                                      precision, {"float"});
+                   }) &&
+           IfGiven(root, "clip",
+                   [&](const JsonView& v) { return reader.Boolean(v, request.clip); }) &&
+           reader.Require(root, "rays", rays) && ReadRays(reader, *rays, request.rays);
 }
 
 }  // namespace

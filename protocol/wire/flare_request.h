@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/wire/json_tree.h"
+#include "protocol/wire/lens_choice.h"
 
 namespace flare::wire {
 
@@ -21,6 +21,14 @@ enum class Preset { kDraft, kPreview, kFinal, kReference };
 enum class Compression { kZip, kNone };
 enum class PixelType { kHalf, kFloat };
 enum class Ringing { kAuto, kOff };
+
+// What physics is asked for.
+struct Model {
+    int reflections = 2;                      // or 4
+    double four_reflection_threshold = 1e-3;  // peak irradiance for E0 = 1
+    bool sensor_reflection = false;
+    Ringing ringing = Ringing::kAuto;
+};
 
 struct Iris {
     int blades = 0;  // 0: round
@@ -36,6 +44,7 @@ struct Image {
     std::optional<std::array<int, 4>> crop;   // x, y, w, h
     std::array<int, 4> overscan{0, 0, 0, 0};  // left, top, right, bottom
     Projection projection = Projection::kDefault;
+    bool desqueeze = false;  // in the proportions of the scene, not as squeezed on the sensor
 };
 
 // Exactly one of direction and pixel is there.
@@ -51,12 +60,8 @@ struct Output {
     PixelType pixel = PixelType::kHalf;
 };
 
-// Exactly one of lens and prescription is there.
 struct FlareRequest {
-    std::optional<std::string> lens;
-    std::optional<JsonTree> prescription;
-    bool bare_glass = false;         // "coatings": "none"
-    std::optional<double> f_number;  // absent: the lens's own
+    LensChoice lens;
     Iris iris;
     Image image;
     std::vector<Light> lights;
@@ -64,7 +69,7 @@ struct FlareRequest {
     ColorSpace color_space = ColorSpace::kLinRec709;
     std::vector<double> wavelengths_nm;  // for kSpectral: at least one, all different
     Preset preset = Preset::kPreview;
-    Ringing ringing = Ringing::kAuto;
+    Model model;
     Output output;
 };
 

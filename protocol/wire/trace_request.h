@@ -5,11 +5,9 @@
 #pragma once
 
 #include <array>
-#include <optional>
-#include <string>
 #include <vector>
 
-#include "protocol/wire/json_tree.h"
+#include "protocol/wire/lens_choice.h"
 
 namespace flare::wire {
 
@@ -18,12 +16,8 @@ struct TraceRay {
     std::array<double, 3> direction{};  // not zero; any length
 };
 
-// Exactly one of lens and prescription is there.
 struct TraceRequest {
-    std::optional<std::string> lens;
-    std::optional<JsonTree> prescription;
-    bool bare_glass = false;
-    std::optional<double> f_number;  // absent: the stop as the lens file has it
+    LensChoice lens;  // without an f-number: the stop as the lens file has it
     double wavelength_nm = 587.5618;
     std::vector<int> sequence;  // surfaces that reflect, in the order the light meets them
     bool clip = true;

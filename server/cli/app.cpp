@@ -18,6 +18,7 @@ int Run(int argc, const char* const* argv) {
     int exit_code = kDone;
     AddRenderCommand(app, exit_code);
     AddLensCommands(app, exit_code);
+    AddGlassCommands(app, exit_code);
     AddGhostsCommand(app, exit_code);
     AddTraceCommand(app, exit_code);
     AddCompareCommand(app, exit_code);

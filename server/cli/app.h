@@ -22,7 +22,7 @@ int Run(int argc, const char* const* argv);
 
 void AddRenderCommand(CLI::App& app, int& exit_code);
 void AddLensCommands(CLI::App& app, int& exit_code);
-void AddLensDraw(CLI::App& lens, int& exit_code);
+void AddGlassCommands(CLI::App& app, int& exit_code);
 void AddGhostsCommand(CLI::App& app, int& exit_code);
 void AddTraceCommand(CLI::App& app, int& exit_code);
 void AddCompareCommand(CLI::App& app, int& exit_code);

@@ -3,7 +3,6 @@
 // flare lens draw: a lens in cross-section with its rays and the paths of ghosts, as SVG.
 #include <CLI/CLI.hpp>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 
 #include "core/drawing/lens_drawing.h"
@@ -11,6 +10,8 @@
 #include "protocol/limits.h"
 #include "server/cli/app.h"
 #include "server/cli/files.h"
+#include "server/cli/lens_commands.h"
+#include "server/cli/options.h"
 #include "server/cli/table.h"
 
 namespace flare::cli {
@@ -21,7 +22,8 @@ struct DrawOptions {
     std::string lenses;
     std::string output;
     std::vector<std::string> ghosts;
-    std::optional<double> field_deg, f_number, focus_m, zoom_mm;
+    std::optional<double> field_deg, f_number;
+    LensState state;
 };
 
 // "9,1"; brackets and spaces around numbers, as listings have them, are fine.
@@ -78,7 +80,7 @@ int Draw(const DrawOptions& options) {
     if (!drawing) return Complain("", drawing.error());
     const auto base = FindLens(options.name, options.lenses);
     if (!base) return Complain("", base.error());
-    const Result<LensInState> set = SetState(*base, {options.focus_m, options.zoom_mm});
+    const Result<LensInState> set = SetState(*base, options.state);
     if (!set) return Complain(options.name, set.error());
     drawing->state = set->state;
     const Result<std::string> svg = DrawLens(*set->lens, *drawing);
@@ -97,29 +99,13 @@ int Draw(const DrawOptions& options) {
     return kDone;
 }
 
-// CLI::Range lets NaN through.
-CLI::Validator FiniteIn(double min, double max) {
-    return CLI::Validator(
-        [=](const std::string& text) -> std::string {
-            double value = 0.0;
-            const bool inside =
-                CLI::detail::lexical_cast(text, value) && value >= min && value <= max;
-            return inside ? ""
-                          : text + " is not a number from " + Significant(min, 6) + " to " +
-                                Significant(max, 6);
-        },
-        "NUMBER");
-}
-
 }  // namespace
 
 void AddLensDraw(CLI::App& lens, int& exit_code) {
     auto options = std::make_shared<DrawOptions>();
     CLI::App* draw =
         lens.add_subcommand("draw", "Draw a lens to scale with its rays and ghosts' paths, as SVG");
-    draw->add_option("name", options->name, "A lens of the library or a lens file")
-        ->required()
-        ->type_name("NAME");
+    AddLensName(*draw, options->name);
     draw->add_option("-o,--output", options->output, "The SVG file, or - for standard output")
         ->required()
         ->type_name("FILE");
@@ -134,13 +120,8 @@ void AddLensDraw(CLI::App& lens, int& exit_code) {
         ->check(FiniteIn(-180.0, 180.0));
     draw->add_option("--f-number", options->f_number, "Iris; without it: wide open")
         ->check(FiniteIn(limits::kMinFNumber, limits::kMaxFNumber));
-    draw->add_option("--focus-m", options->focus_m,
-                     "Focus distance from the sensor, m; without it: infinity")
-        ->check(FiniteIn(limits::kMinDistance_m, limits::kMaxDistance_m));
-    draw->add_option("--zoom-mm", options->zoom_mm,
-                     "Nominal focal length of a zoom, mm; without it: the lens's first")
-        ->check(FiniteIn(1e-3, 1e6));
-    draw->add_option("--lenses", options->lenses, "The folder of lens files")->type_name("DIR");
+    AddStateOptions(*draw, options->state);
+    AddLensFolder(*draw, options->lenses);
     draw->callback([options, &exit_code] { exit_code = Draw(*options); });
 }
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// flare ghosts: every two-reflection ghost of a lens, brightest first.
+// flare ghosts: the ghosts of a lens, brightest first.
 #include <CLI/CLI.hpp>
-#include <cmath>
 
-#include "core/render/ghost_list.h"
 #include "protocol/limits.h"
 #include "server/cli/app.h"
 #include "server/cli/files.h"
+#include "server/cli/options.h"
 #include "server/cli/progress.h"
 #include "server/cli/table.h"
-#include "server/translate/lens_json.h"
+#include "server/translate/ghost_query.h"
 
 namespace flare::cli {
 namespace {
@@ -18,28 +17,11 @@ namespace {
 struct GhostsOptions {
     std::string name;
     std::string lenses;
-    double f_number = 0.0;
-    bool f_number_given = false;
-    double field_deg = 0.0;
-    double wavelength_nm = kLineD;
-    bool uncoated = false;
+    GhostQuery query;
+    std::string coatings;
     bool json = false;
     int threads = ThreadsOfThisMachine();
 };
-
-// CLI::Range lets NaN through.
-CLI::Validator FiniteIn(double min, double max) {
-    return CLI::Validator(
-        [=](const std::string& text) -> std::string {
-            double value = 0.0;
-            const bool inside =
-                CLI::detail::lexical_cast(text, value) && value >= min && value <= max;
-            return inside ? ""
-                          : text + " is not a number from " + Significant(min, 6) + " to " +
-                                Significant(max, 6);
-        },
-        "NUMBER");
-}
 
 std::string SequenceText(const std::vector<int>& sequence) {
     std::string text = "(";
@@ -72,25 +54,67 @@ std::string GhostTable(const GhostList& list) {
     return table.text();
 }
 
-int Ghosts(const GhostsOptions& options) {
-    const auto found = FindLens(options.name, options.lenses);
-    if (!found) return Complain("", found.error());
-    const std::shared_ptr<const Lens> lens = options.uncoated ? (*found)->WithBareGlass() : *found;
+// What the table cannot show, in lines below it.
+std::string Totals(const RankedGhosts& ghosts) {
+    std::string text = "total flux " + Significant(ghosts.list.total_flux_mm2, 6) + " mm2 of " +
+                       std::to_string(ghosts.list.ghosts.size()) + " ghosts\n";
+    if (const auto& four = ghosts.list.four_reflections) {
+        text += "of four reflections: " + std::to_string(four->rendered) + " of " +
+                std::to_string(four->sequences) + " sequences reach the peak " +
+                Significant(four->threshold, 4) + ", " + Significant(four->rendered_flux_mm2, 4) +
+                " mm2; the others hold " + Significant(four->lost_flux_mm2, 4) + " mm2\n";
+    }
+    const std::string state = StateText(ghosts.lens);
+    return text + (state.empty() ? "" : state + "\n");
+}
 
-    GhostListOptions list_options;
-    list_options.wavelength_nm = options.wavelength_nm;
-    list_options.field_deg = options.field_deg;
-    if (options.f_number_given) list_options.f_number = options.f_number;
+int Ghosts(const GhostsOptions& options) {
+    const auto lens = FindLens(options.name, options.lenses);
+    if (!lens) return Complain("", lens.error());
     ThreadPool threads(options.threads);
     TracingMeshProvider meshes;
     std::optional<Progress> progress(std::in_place, "ranking ghosts");
-    const Result<GhostList> list =
-        RankGhosts(lens, list_options, {threads, meshes, CancelToken(), NowMs});
+    const Result<RankedGhosts> ghosts =
+        RankGhostsFor(*lens, options.query, {threads, meshes, CancelToken(), NowMs});
     progress.reset();
-    if (!list) return Complain(options.name, list.error());
-    if (options.json) return Print(GhostListJson(*lens, *list, list_options, options.uncoated));
-    return Print(GhostTable(*list) + "total flux " + Significant(list->total_flux_mm2, 6) +
-                 " mm2 of " + std::to_string(list->ghosts.size()) + " ghosts\n");
+    if (!ghosts) return Complain(options.name, ghosts.error());
+    if (options.json) return Print(GhostListJson(*ghosts, options.query));
+    return Print(GhostTable(ghosts->list) + Totals(*ghosts));
+}
+
+void AddLightOptions(CLI::App& command, GhostQuery& query) {
+    command.add_option("--f-number", query.f_number, "Iris; without it: wide open")
+        ->check(FiniteIn(limits::kMinFNumber, limits::kMaxFNumber));
+    command.add_option("--field-deg", query.field_deg, "Angle of the light to the axis, degrees")
+        ->check(FiniteIn(-180.0, 180.0));
+    command
+        .add_option("--azimuth-deg", query.azimuth_deg,
+                    "Its direction around the axis, degrees; 0 is in the x-z plane, 90 in y-z")
+        ->check(FiniteIn(-360.0, 360.0));
+    command.add_option("--wavelength-nm", query.wavelength_nm, "Wavelength in air, nm")
+        ->check(FiniteIn(limits::kMinWavelength_nm, limits::kMaxWavelength_nm))
+        ->default_str("587.5618");
+}
+
+void AddModelOptions(CLI::App& command, GhostsOptions& options) {
+    ModelSpec& model = options.query.model;
+    command.add_option("--reflections", model.reflections, "2, or 4: those of four as well")
+        ->check(CLI::IsMember({2, 4}))
+        ->capture_default_str();
+    command
+        .add_option("--threshold", model.four_reflection_threshold,
+                    "Smallest peak irradiance of a ghost of four reflections that is listed")
+        ->check(AboveZeroUpTo(limits::kMaxFourReflectionThreshold))
+        ->capture_default_str();
+    command.add_flag("--sensor-reflection", model.sensor_reflection,
+                     "Ghosts that the sensor reflects as well");
+    CLI::Option* uncoated = command.add_flag("--uncoated", options.query.coatings.none,
+                                             "Bare glass whatever the lens file says");
+    command
+        .add_option("--coatings", options.coatings,
+                    "A coating on every surface between air and glass; none: bare glass")
+        ->type_name("NAME")
+        ->excludes(uncoated);
 }
 
 }  // namespace
@@ -99,26 +123,22 @@ void AddGhostsCommand(CLI::App& app, int& exit_code) {
     auto options = std::make_shared<GhostsOptions>();
     CLI::App* command = app.add_subcommand(
         "ghosts", "Rank the ghosts of a lens for a distant light of irradiance 1");
-    command->add_option("name", options->name, "A lens of the library or a lens file")
-        ->required()
-        ->type_name("NAME");
-    CLI::Option* f_number =
-        command->add_option("--f-number", options->f_number, "Iris; without it: wide open")
-            ->check(FiniteIn(limits::kMinFNumber, limits::kMaxFNumber));
-    command
-        ->add_option("--field-deg", options->field_deg, "Angle of the light to the axis, degrees")
-        ->check(FiniteIn(-180.0, 180.0));
-    command->add_option("--wavelength-nm", options->wavelength_nm, "Wavelength in air, nm")
-        ->check(FiniteIn(limits::kMinWavelength_nm, limits::kMaxWavelength_nm))
-        ->capture_default_str();
-    command->add_flag("--uncoated", options->uncoated, "Bare glass whatever the lens file says");
+    AddLensName(*command, options->name);
+    AddStateOptions(*command, options->query.state);
+    AddLightOptions(*command, options->query);
+    AddModelOptions(*command, *options);
     command->add_flag("--json", options->json, "JSON instead of a table");
-    command->add_option("--lenses", options->lenses, "The folder of lens files")->type_name("DIR");
+    AddLensFolder(*command, options->lenses);
     command->add_option("--threads", options->threads, "Threads to work with")
         ->check(CLI::Range(1, 256))
         ->capture_default_str();
-    command->callback([options, f_number, &exit_code] {
-        options->f_number_given = f_number->count() > 0;
+    command->callback([options, &exit_code] {
+        wire::Coatings& coatings = options->query.coatings;
+        if (options->coatings == "none") {
+            coatings.none = true;
+        } else if (!options->coatings.empty()) {
+            coatings.default_name = options->coatings;
+        }
         exit_code = Ghosts(*options);
     });
 }

@@ -31,8 +31,8 @@ void AddTraceCommand(CLI::App& app, int& exit_code) {
         "Input: {\"lens\": NAME, \"wavelength_nm\": 587.5618, \"sequence\": [9, 1], \"clip\": "
         "true,\n"
         "        \"rays\": [{\"origin\": [x, y, z], \"direction\": [dx, dy, dz]}]}\n"
-        "in lens space, mm; \"prescription\", \"coatings\": \"none\" and \"f_number\" as in a "
-        "request.");
+        "in lens space, mm; \"prescription\", \"coatings\", \"f_number\", \"focus_m\" and "
+        "\"zoom_mm\" as in a\nrequest.");
     command->callback([lenses, &exit_code] { exit_code = Trace(*lenses); });
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Names of OpenEXR's standard attributes where there is one (lensModel, aperture in f-stops,
-// nominalFocalLength in mm); the rest begins with "flare". Focus is left out while every picture is
-// focused at infinity, which the attribute cannot say.
+// nominalFocalLength in mm, focus in metres); the rest begins with "flare". A picture focused at
+// infinity has no focus attribute: readers differ in what they make of an infinite one.
 #include <map>
 
 #include "server/translate/report_json.h"
@@ -49,9 +49,17 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
 
     auto& numbers = image.number_attributes;
     numbers.emplace_back("aperture", facts.f_number);
-    numbers.emplace_back("nominalFocalLength",
-                         lens.prescription().design_focal_mm.value_or(lens.first_order().efl_mm));
-    numbers.emplace_back("effectiveFocalLength", lens.first_order().efl_mm);
+    const double efl_mm = lens.first_order(lens.prescription().design_section).efl_mm;
+    numbers.emplace_back(
+        "nominalFocalLength",
+        facts.zoom_mm.value_or(lens.prescription().design_focal_mm.value_or(efl_mm)));
+    numbers.emplace_back("effectiveFocalLength", efl_mm);
+    if (facts.focus_m) numbers.emplace_back("focus", *facts.focus_m);
+    if (facts.zoom_mm) numbers.emplace_back("flareZoom", *facts.zoom_mm);
+    if (!lens.rotational()) {
+        numbers.emplace_back("flareSqueeze", facts.squeeze);
+        numbers.emplace_back("flareDesqueezed", request.image.desqueeze ? 1.0 : 0.0);
+    }
     numbers.emplace_back("flareWorkingFNumber", facts.working_f_number);
     numbers.emplace_back("flareAxialTransmittance", facts.t_axis);
     numbers.emplace_back("flareSceneLinearFactor", facts.scene_linear_factor);

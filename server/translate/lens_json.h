@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the lens routes and `flare lens|ghosts --json` print: JSON texts (ASCII, two-space indent,
+// What the lens routes and `flare lens --json` print: JSON texts (ASCII, two-space indent,
 // one newline at the end). Numbers are written so that reading them gives the same double. Lengths
 // are mm, every z is from vertex 0 unless its name says otherwise.
 #pragma once
@@ -8,25 +8,20 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "core/optics/lens.h"
-#include "core/render/ghost_list.h"
+#include "core/optics/lens_state.h"
 #include "server/lens_library.h"
 
 namespace flare {
 
-// GET /v1/lenses/NAME and, with the field data, whose rays take 0.2 s and more, `flare lens show
-// NAME
-// --json`.
-std::string LensJson(const Lens& lens, bool with_field = false);
+// GET /v1/lenses/NAME and `flare lens show NAME --json`: the lens `shown`, which is `file`, the
+// lens as its file has it, in some state. Focal length, pupils and the like are those of the
+// section that the design speaks of; an anamorphic lens has both as "x" and "y". The rays of the
+// field data take 0.1 s and more.
+std::string LensJson(const Lens& file, const LensInState& shown, bool with_field);
 
 // GET /v1/lenses and `flare lens list --json`: {"lenses":[{name, efl_mm, f_number, ...}],
 // "broken":[{name, error}]}.
 std::string LensListJson(const LensLibrary& library);
-
-// GET /v1/lenses/NAME/ghosts and `flare ghosts NAME --json`. `options` are those the list was made
-// with; `bare_glass` says whether coatings were left out.
-std::string GhostListJson(const Lens& lens, const GhostList& list, const GhostListOptions& options,
-                          bool bare_glass);
 
 // The body of every refusal: {"error":{"code","message","where"}}.
 std::string ErrorJson(const Error& error);

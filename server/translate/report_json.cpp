@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <map>
 
-#include "protocol/codec/json_writer.h"
 #include "protocol/limits.h"
+#include "server/translate/json_parts.h"
 
 namespace flare {
 namespace {
@@ -38,6 +38,11 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     TextMember(json, "content_type", reply.content_type);
     json.Member("width", reply.window.width).Member("height", reply.window.height);
     json.Member("bytes", reply.bytes);
+    json.Key("state").BeginInlineObject().Key("focus_m");
+    WriteOptional(json, report.facts.focus_m);
+    json.Key("zoom_mm");
+    WriteOptional(json, report.facts.zoom_mm);
+    json.End();
     json.Member("f_number", report.facts.f_number);
     json.Member("saturated_pixels", report.facts.saturated_pixels);
     json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
@@ -77,12 +82,21 @@ void WriteLights(JsonWriter& json, const std::vector<LightFacts>& lights) {
     json.End();
 }
 
+// What physics ran, as against what was asked for.
+void WriteModel(JsonWriter& json, const ModelSpec& model) {
+    json.Key("model").BeginInlineObject().Member("reflections", model.reflections);
+    json.Member("ringing", "off").Member("sensor_reflection", model.sensor_reflection).End();
+}
+
+// Ghosts of four reflections can be a hundred thousand: all are counted, the first are listed.
 void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
+    json.Member("ghost_count", static_cast<std::uint64_t>(ghosts.size()));
     json.Key("ghosts").BeginArray();
-    for (const GhostFacts& ghost : ghosts) {
-        json.BeginInlineObject().Key("sequence").BeginRow();
-        for (const int surface : ghost.sequence) json.Value(surface);
-        json.End().Member("model", ghost.model).Member("flux_mm2", ghost.flux_mm2).End();
+    const std::size_t listed = std::min(ghosts.size(), limits::kReportGhosts);
+    for (std::size_t i = 0; i < listed; ++i) {
+        json.BeginInlineObject();
+        WriteSequence(json, ghosts[i].sequence);
+        json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2).End();
     }
     json.End();
 }
@@ -104,14 +118,17 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
     json.Member("units",
                 request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
     json.Member("scene_linear_factor", facts.scene_linear_factor);
+    json.Member("squeeze", facts.squeeze).Member("desqueezed", request.image.desqueeze);
     json.Member("color_space", request.color == ColorMode::kSpectral ? "spectral" : "lin_rec709");
     json.Key("quality").BeginInlineObject().Member("preset", QualityName(request.quality)).End();
-    // What physics ran, as against what was asked for.
-    json.Key("model").BeginInlineObject().Member("reflections", 2).Member("ringing", "off");
-    json.Member("sensor_reflection", false).End();
+    WriteModel(json, request.model);
     WriteClamped(json, facts.clamped);
     json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));
     WriteLights(json, facts.lights);
+    if (facts.four_reflections) {
+        json.Key("four_reflections");
+        WriteFourReflections(json, *facts.four_reflections);
+    }
     WriteGhosts(json, facts.ghosts);
     WriteWork(json, report.work, reply);
     json.End();

@@ -4,35 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/prescription/prescription_check.h"
-#include "core/prescription/prescription_reader.h"
-#include "protocol/limits.h"
-#include "server/translate/document_from_json.h"
+#include "server/translate/lens_from_wire.h"
 
 namespace flare {
 namespace {
-
-Result<std::shared_ptr<const Lens>> BuildInline(const wire::JsonTree& tree) {
-    const auto at_root = [&](Error error) {
-        if (error.where.empty()) error.where = tree.pointer;
-        return error;
-    };
-    const Result<Prescription> prescription = ReadPrescription(DocumentFromJson(tree));
-    if (!prescription) return at_root(prescription.error());
-    if (prescription->name.size() > limits::kNameBytes) {
-        return Error{"limit",
-                     "the name is longer than " + std::to_string(limits::kNameBytes) + " bytes",
-                     tree.pointer + "/name"};
-    }
-    for (const Finding& finding : CheckPrescription(*prescription)) {
-        if (finding.severity == Severity::kError) {
-            return at_root({"bad_lens", finding.message, finding.where});
-        }
-    }
-    Result<std::shared_ptr<const Lens>> lens = Lens::Build(*prescription);
-    if (!lens) return at_root(lens.error());
-    return lens;
-}
 
 Projection ProjectionFromWire(wire::Projection projection) {
     switch (projection) {
@@ -70,7 +45,13 @@ ImageSpec ImageFromWire(const wire::Image& image) {
     spec.crop = image.crop;
     spec.overscan = image.overscan;
     spec.projection = ProjectionFromWire(image.projection);
+    spec.desqueeze = image.desqueeze;
     return spec;
+}
+
+// Ringing is not built: "auto" and "off" both mean none.
+ModelSpec ModelFromWire(const wire::Model& model) {
+    return {model.reflections, model.four_reflection_threshold, model.sensor_reflection};
 }
 
 LightSpec LightFromWire(const wire::Light& light) {
@@ -94,29 +75,17 @@ Vec3d DirectionFromWire(const std::array<double, 3>& direction) {
                  std::scalbn(scaled.z, -exponent));
 }
 
-Result<std::shared_ptr<const Lens>> LensFromWire(const std::optional<std::string>& name,
-                                                 const std::optional<wire::JsonTree>& prescription,
-                                                 bool bare_glass, const LensLibrary& library) {
-    Result<std::shared_ptr<const Lens>> lens =
-        prescription ? BuildInline(*prescription) : library.Find(name.value_or(""));
-    if (!lens) {
-        Error error = lens.error();
-        if (!prescription) error.where = "/lens";
-        return error;
-    }
-    if (bare_glass) return (*lens)->WithBareGlass();
-    return lens;
-}
-
 Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
                                      const LensLibrary& library) {
-    Result<std::shared_ptr<const Lens>> lens =
-        LensFromWire(request.lens, request.prescription, request.bare_glass, library);
+    Result<LensInState> lens = LensFromWire(request.lens, library);
     if (!lens) return lens.error();
 
     FlareRequest translated;
-    translated.lens = *lens;
-    translated.f_number = request.f_number;
+    translated.lens = std::move(lens->lens);
+    translated.state = lens->state;
+    translated.state_clamped = std::move(lens->clamped);
+    translated.model = ModelFromWire(request.model);
+    translated.f_number = request.lens.f_number;
     translated.iris = {request.iris.blades, request.iris.roundness, request.iris.rotation_deg};
     translated.image = ImageFromWire(request.image);
     translated.lights.reserve(request.lights.size());

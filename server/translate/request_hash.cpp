@@ -5,7 +5,7 @@ namespace flare {
 namespace {
 
 // Grows with every change of what the values mean or of their order here.
-constexpr int kHashVersion = 1;
+constexpr int kHashVersion = 2;
 
 void Add(Fingerprinter& hash, const std::optional<double>& value) {
     hash.Add(value.has_value());
@@ -29,7 +29,24 @@ void Add(Fingerprinter& hash, const wire::Image& image) {
     hash.Add(image.pixel_aspect);
     Add(hash, image.crop);
     Add(hash, image.overscan);
-    hash.Add(static_cast<int>(image.projection));
+    hash.Add(static_cast<int>(image.projection)).Add(image.desqueeze);
+}
+
+void Add(Fingerprinter& hash, const std::optional<std::string>& text) {
+    hash.Add(text.has_value());
+    if (text) hash.Add(*text);
+}
+
+void Add(Fingerprinter& hash, const wire::Coatings& coatings) {
+    hash.Add(coatings.none);
+    Add(hash, coatings.default_name);
+    hash.Add(static_cast<std::int64_t>(coatings.surfaces.size()));
+    for (const auto& [surface, name] : coatings.surfaces) hash.Add(surface).Add(name);
+}
+
+void Add(Fingerprinter& hash, const wire::Model& model) {
+    hash.Add(model.reflections).Add(model.four_reflection_threshold);
+    hash.Add(model.sensor_reflection).Add(static_cast<int>(model.ringing));
 }
 
 void Add(Fingerprinter& hash, const wire::Light& light) {
@@ -45,16 +62,31 @@ void Add(Fingerprinter& hash, const Lens& lens) {
     hash.Add(lens.fingerprint()).Add(lens.name()).Add(prescription.maker);
     hash.Add(prescription.fisheye);
     Add(hash, prescription.design_focal_mm);
+    hash.Add(static_cast<int>(prescription.design_section));
+}
+
+// What became of the state that was asked for: the lens's range decides, and that is no part of the
+// lens as it was set.
+void AddState(Fingerprinter& hash, const FlareRequest& translated) {
+    Add(hash, translated.state.focus_m);
+    Add(hash, translated.state.zoom_mm);
+    hash.Add(static_cast<std::int64_t>(translated.state_clamped.size()));
+    for (const StateClamp& clamp : translated.state_clamped) {
+        hash.Add(clamp.field).Add(clamp.from).Add(clamp.to);
+    }
 }
 
 }  // namespace
 
-Fingerprint RequestHash(const wire::FlareRequest& request, const Lens& lens) {
+Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& translated) {
     Fingerprinter hash;
     hash.Add("flare-request").Add(kHashVersion);
-    Add(hash, lens);
-    hash.Add(request.bare_glass);
-    Add(hash, request.f_number);
+    Add(hash, *translated.lens);
+    AddState(hash, translated);
+    Add(hash, request.lens.coatings);
+    Add(hash, request.lens.f_number);
+    Add(hash, request.lens.focus_m);
+    Add(hash, request.lens.zoom_mm);
     hash.Add(request.iris.blades).Add(request.iris.roundness).Add(request.iris.rotation_deg);
     Add(hash, request.image);
     hash.Add(static_cast<std::int64_t>(request.lights.size()));
@@ -62,7 +94,8 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const Lens& lens) {
     hash.Add(static_cast<int>(request.units)).Add(static_cast<int>(request.color_space));
     hash.Add(static_cast<std::int64_t>(request.wavelengths_nm.size()));
     for (const double wavelength_nm : request.wavelengths_nm) hash.Add(wavelength_nm);
-    hash.Add(static_cast<int>(request.preset)).Add(static_cast<int>(request.ringing));
+    hash.Add(static_cast<int>(request.preset));
+    Add(hash, request.model);
     hash.Add(static_cast<int>(request.output.compression));
     hash.Add(static_cast<int>(request.output.pixel));
     return hash.value();

@@ -5,8 +5,9 @@
 
 #include "core/optics/paraxial.h"
 #include "core/tracing/trace_reference.h"
-#include "protocol/codec/json_writer.h"
 #include "protocol/codec/trace_request_codec.h"
+#include "server/translate/json_parts.h"
+#include "server/translate/lens_from_wire.h"
 #include "server/translate/request_from_wire.h"
 
 namespace flare {
@@ -52,10 +53,9 @@ Result<std::string> TraceJson(std::string_view input, const LensLibrary& library
         return Error{refusal->code, refusal->message, refusal->where};
     }
     const auto& request = std::get<wire::TraceRequest>(decoded);
-    const Result<std::shared_ptr<const Lens>> found =
-        LensFromWire(request.lens, request.prescription, request.bare_glass, library);
+    const Result<LensInState> found = LensFromWire(request.lens, library);
     if (!found) return found.error();
-    const Lens& lens = **found;
+    const Lens& lens = *found->lens;
     if (std::optional<Error> error = CheckSequence(lens, request.sequence)) {
         error->where = "/sequence";
         return *error;
@@ -64,17 +64,21 @@ Result<std::string> TraceJson(std::string_view input, const LensLibrary& library
 
     // An f-number sets a round iris; without one the stop's own rim is the iris.
     std::optional<Iris> iris;
-    if (request.f_number) {
+    double f_number = lens.f_number();
+    if (request.lens.f_number) {
         const auto& stop = lens.surfaces()[static_cast<std::size_t>(lens.stop_index())];
-        iris.emplace(IrisShape{}, StopForFNumber(lens, *request.f_number).semi_diameter_mm,
-                     stop.semi_diameter_mm);
+        const StopSetting setting = StopForFNumber(lens, *request.lens.f_number);
+        f_number = setting.f_number;
+        iris.emplace(IrisShape{}, setting.semi_diameter_mm, stop.semi_diameter_mm);
     }
     TraceOptions options;
     options.clip = request.clip;
     options.iris = iris ? &*iris : nullptr;
 
     JsonWriter json(JsonWriter::Style::kPretty);
-    json.BeginObject().Key("rays").BeginArray();
+    json.BeginObject().Key("state");
+    WriteState(json, *found);
+    json.Member("f_number", f_number).Key("rays").BeginArray();
     RayRecord record;
     for (const wire::TraceRay& ray : request.rays) {
         const Vec3d origin(ray.origin[0], ray.origin[1], ray.origin[2]);

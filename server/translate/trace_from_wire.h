@@ -11,7 +11,8 @@
 
 namespace flare {
 
-// {"rays":[{"fate","sensor_mm",...}]}, one entry for each ray of `input` in its order. Errors are
+// {"state","f_number","rays":[{"fate","sensor_mm",...}]}, one entry for each ray of `input` in its
+// order. Errors are
 // those of the codec, of the lens and, at "/sequence", of a bounce sequence that the lens cannot
 // have.
 Result<std::string> TraceJson(std::string_view input, const LensLibrary& library);

@@ -13,6 +13,7 @@ import re
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import tempfile
 import threading
@@ -72,6 +73,23 @@ class Reply:
     @property
     def report(self):
         return json.loads(self.headers["Flare-Report"])
+
+
+def exr_attributes(body):
+    """The header of a scan-line EXR: {name: value} of its strings and floats."""
+    assert body[:4] == b"v/1\x01", body[:8]
+    values, at = {}, 8
+    while body[at]:
+        name_end = body.index(b"\0", at)
+        type_end = body.index(b"\0", name_end + 1)
+        name, kind = body[at:name_end].decode(), body[name_end + 1:type_end]
+        size = int.from_bytes(body[type_end + 1:type_end + 5], "little")
+        at = type_end + 5 + size
+        if kind == b"float":
+            values[name] = struct.unpack("<f", body[at - size:at])[0]
+        elif kind == b"string":
+            values[name] = body[at - size:at].decode()
+    return values
 
 
 class Daemon:

@@ -81,6 +81,17 @@ TEST_F(Cli, RefusesBadUsageWithExitCodeTwo) {
         {"ghosts", kSeedFile, "--f-number", "0"},
         {"ghosts", kSeedFile, "--f-number", "nan"},
         {"ghosts", kSeedFile, "--field-deg", "1e9"},
+        {"ghosts", kSeedFile, "--focus-m", "0"},
+        {"ghosts", kSeedFile, "--focus-m", "nan"},
+        {"ghosts", kSeedFile, "--reflections", "3"},
+        {"ghosts", kSeedFile, "--threshold", "-1"},
+        {"ghosts", kSeedFile, "--uncoated", "--coatings", "mgf2-550"},
+        {"ghosts", kSeedFile, "--coatings", "magic"},
+        {"ghosts", kSeedFile, "--sensor-reflection"},
+        {"lens", "show", kSeedFile, "--zoom-mm", "-50"},
+        {"glass"},
+        {"glass", "show", "BK7"},
+        {"glass", "list", "--maker", "NOBODY"},
         {"compare", "a.exr"},
     };
     for (const std::vector<std::string>& arguments : bad) {
@@ -146,6 +157,66 @@ TEST_F(Cli, ShowsAndChecksLenses) {
     EXPECT_EQ(Flare({"lens", "check", kSeedFile}), kDone);
     EXPECT_NE(out_.find("0 errors"), std::string::npos) << out_;
     EXPECT_EQ(Flare({"lens", "show", "no-such-lens"}), kBadInput);
+}
+
+TEST_F(Cli, ShowsALensInItsState) {
+    ASSERT_EQ(Flare({"lens", "show", kSeedFile, "--focus-m", "1", "--json"}), kDone) << err_;
+    EXPECT_NE(out_.find("\"focus_m\": 1,"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("\"focus_shift_mm\": 2.811"), std::string::npos) << out_;
+    ASSERT_EQ(Flare({"lens", "show", kSeedFile, "--focus-m", "0.01", "--zoom-mm", "85"}), kDone);
+    EXPECT_NE(out_.find("zoom_mm clamped from 85 to 50"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("focus_m clamped from 0.01 to 0.19"), std::string::npos) << out_;
+    ASSERT_EQ(Flare({"lens", "show", "nikon-zoom-80-200mm-f2_8", "--zoom-mm", "200"}), kDone);
+    EXPECT_NE(out_.find("zoom 200 mm"), std::string::npos) << out_;
+    ASSERT_EQ(Flare({"lens", "show", "schneider-anamorphic-31mm-f2"}), kDone);
+    EXPECT_NE(out_.find("EFL in x                31.48"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("EFL in y                60.55"), std::string::npos) << out_;
+}
+
+TEST_F(Cli, RanksTheGhostsThatAreAskedFor) {
+    const std::string lens = Written("small.toml", R"(name = "small"
+[[surface]]
+kind = "stop"
+gap_mm = 2.0
+semi_diameter_mm = 5.0
+[[surface]]
+radius_mm = 50.0
+gap_mm = 6.0
+nd = 1.5
+semi_diameter_mm = 10.0
+[[surface]]
+kind = "plane"
+semi_diameter_mm = 10.0
+[[surface]]
+kind = "sensor"
+reflectance = 0.1
+semi_diameter_mm = 20.0
+)");
+    ASSERT_EQ(Flare({"ghosts", lens, "--field-deg", "-5"}), kDone) << err_;
+    EXPECT_NE(out_.find("of 1 ghosts"), std::string::npos) << out_;
+    ASSERT_EQ(
+        Flare({"ghosts", lens, "--sensor-reflection", "--focus-m", "2", "--azimuth-deg", "45"}),
+        kDone);
+    EXPECT_NE(out_.find("of 3 ghosts"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("focus 2 m"), std::string::npos) << out_;
+    ASSERT_EQ(Flare({"ghosts", lens, "--reflections", "4", "--threshold", "1e-14", "--coatings",
+                     "mgf2-500", "--json"}),
+              kDone);
+    EXPECT_NE(out_.find("\"four_reflections\": {\"threshold\": 1e-14,"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("\"sequence\": [2, 1, 2, 1]"), std::string::npos) << out_;
+    EXPECT_NE(out_.find("\"coatings\": \"mgf2-500\""), std::string::npos) << out_;
+}
+
+// The indices are those of the maker's data sheet.
+TEST_F(Cli, ShowsGlasses) {
+    ASSERT_EQ(Flare({"glass", "show", "n-bk7"}), kDone) << err_;
+    EXPECT_EQ(out_.substr(0, out_.find('\n')), "SCHOTT N-BK7");
+    for (const char* index : {"1.516800", "1.522376", "1.514322"}) {
+        EXPECT_NE(out_.find(index), std::string::npos) << index << out_;
+    }
+    ASSERT_EQ(Flare({"glass", "list", "--maker", "SUMITA"}), kDone);
+    EXPECT_NE(out_.find("SUMITA K-BaF8"), std::string::npos);
+    EXPECT_EQ(out_.find("SCHOTT"), std::string::npos);
 }
 
 TEST(Table, AlignsNumbersRightAndWordsLeft) {

@@ -86,7 +86,8 @@ class DaemonTest : public testing::Test {
             if (!body.starts_with("bytes ")) return 0;
             return std::stoull(std::string(body.substr(6)));
         };
-        services.lens = [](const std::string& name) -> Result<std::string> {
+        services.lens = [](const std::string& name, const LensState& state) -> Result<std::string> {
+            if (name == "known" && state.zoom_mm) return std::to_string(*state.zoom_mm);
             if (name == "known") return std::string("{\"name\":\"known\"}");
             return Error{"unknown_lens", "no lens '" + name + "'", ""};
         };
@@ -168,6 +169,7 @@ TEST_F(DaemonTest, ServesTheSmallRoutes) {
     EXPECT_EQ(Get("/v1/lenses").body, "{\"lenses\":[]}");
     EXPECT_EQ(Get("/v1/lenses/known").body, "{\"name\":\"known\"}");
     EXPECT_EQ(Get("/v1/lenses/kn%6Fwn").body, "{\"name\":\"known\"}");
+    EXPECT_EQ(Get("/v1/lenses/known?zoom_mm=85").body, "85.000000");
     EXPECT_EQ(Get("/v1/lenses/known/ghosts?field_deg=5").body, "known at 5.000000");
     EXPECT_EQ(Get("/v1/openapi.yaml").body, "openapi: 3.1.0\n");
     EXPECT_EQ(Get("/v1/lenses").header("content-type"), "application/json");
@@ -207,6 +209,8 @@ TEST_F(DaemonTest, RefusesWithStatusAndCode) {
         {{.method = "POST", .target = "/v1/warm"}, 501, "unsupported", ""},
         {{.target = "/healthz?x=1"}, 400, "bad_query", "?"},
         {{.target = "/v1/lenses/known/ghosts?f=1"}, 400, "unknown_field", "?f"},
+        {{.target = "/v1/lenses/known?focus_m=0"}, 400, "bad_value", "?focus_m"},
+        {{.target = "/v1/lenses?focus_m=1"}, 400, "bad_query", "?"},
         {{.method = "POST", .target = "/v1/flare", .headers = {{"Accept", "text/html"}}},
          406,
          "not_acceptable",

@@ -25,10 +25,17 @@ std::string With(const std::string& members) {
 
 TEST(FlareRequestCodec, FillsInTheDefaultsOfTheContract) {
     const FlareRequest request = Accepted(std::string(R"({"lens":"x",)") + kRest + "}");
-    EXPECT_EQ(request.lens, "x");
-    EXPECT_FALSE(request.prescription.has_value());
-    EXPECT_FALSE(request.bare_glass);
-    EXPECT_FALSE(request.f_number.has_value());
+    EXPECT_EQ(request.lens.name, "x");
+    EXPECT_FALSE(request.lens.prescription.has_value());
+    EXPECT_TRUE(request.lens.coatings.own());
+    EXPECT_FALSE(request.lens.f_number.has_value());
+    EXPECT_FALSE(request.lens.focus_m.has_value());
+    EXPECT_FALSE(request.lens.zoom_mm.has_value());
+    EXPECT_EQ(request.model.reflections, 2);
+    EXPECT_EQ(request.model.four_reflection_threshold, 1e-3);
+    EXPECT_FALSE(request.model.sensor_reflection);
+    EXPECT_EQ(request.model.ringing, Ringing::kAuto);
+    EXPECT_FALSE(request.image.desqueeze);
     EXPECT_EQ(request.iris.blades, 0);
     EXPECT_EQ(request.units, Units::kSceneLinear);
     EXPECT_EQ(request.color_space, ColorSpace::kLinRec709);
@@ -44,21 +51,24 @@ TEST(FlareRequestCodec, FillsInTheDefaultsOfTheContract) {
 
 TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     const FlareRequest request = Accepted(R"({
-        "lens": "tele", "f_number": 4.5, "focus_m": null, "zoom_mm": null, "coatings": "none",
+        "lens": "tele", "f_number": 4.5, "focus_m": 1.25, "zoom_mm": 135, "coatings": "none",
         "iris": {"blades": 6, "roundness": 0.25, "rotation_deg": -10},
         "image": {"width": 1920, "height": 1080, "sensor_width_mm": 24.5, "crop": [10, 20, 30, 40],
                   "center_offset_mm": [1.5, -2.5], "pixel_aspect": 2,
-                  "projection": "lens"},
+                  "projection": "lens", "desqueeze": true},
         "lights": [{"direction": [0.1, -0.2, -3], "distance_m": 2.5, "irradiance": [3, 2, 1],
                     "angular_diameter_deg": 0},
                    {"pixel": [-400.5, 300]}],
         "layers": ["ghosts"], "units": "sensor_irradiance", "color_space": "lin_rec709",
         "quality": {"preset": "reference"},
-        "model": {"reflections": 2, "ringing": "off", "sensor_reflection": false},
+        "model": {"reflections": 4, "four_reflection_threshold": 0.02, "ringing": "off",
+                  "sensor_reflection": true},
         "output": {"compression": "none", "pixel": "float"} })");
-    EXPECT_EQ(request.lens, "tele");
-    EXPECT_EQ(request.f_number, 4.5);
-    EXPECT_TRUE(request.bare_glass);
+    EXPECT_EQ(request.lens.name, "tele");
+    EXPECT_EQ(request.lens.f_number, 4.5);
+    EXPECT_EQ(request.lens.focus_m, 1.25);
+    EXPECT_EQ(request.lens.zoom_mm, 135.0);
+    EXPECT_TRUE(request.lens.coatings.none);
     EXPECT_EQ(request.iris.blades, 6);
     EXPECT_EQ(request.iris.roundness, 0.25);
     EXPECT_EQ(request.iris.rotation_deg, -10.0);
@@ -69,6 +79,7 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     EXPECT_EQ(request.image.center_offset_mm, (std::array<double, 2>{1.5, -2.5}));
     EXPECT_EQ(request.image.pixel_aspect, 2.0);
     EXPECT_EQ(request.image.projection, Projection::kLens);
+    EXPECT_TRUE(request.image.desqueeze);
     ASSERT_EQ(request.lights.size(), 2u);
     EXPECT_EQ(request.lights[0].direction, (std::array<double, 3>{0.1, -0.2, -3.0}));
     EXPECT_FALSE(request.lights[0].pixel.has_value());
@@ -78,9 +89,48 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     EXPECT_FALSE(request.lights[1].direction.has_value());
     EXPECT_EQ(request.units, Units::kSensorIrradiance);
     EXPECT_EQ(request.preset, Preset::kReference);
-    EXPECT_EQ(request.ringing, Ringing::kOff);
+    EXPECT_EQ(request.model.reflections, 4);
+    EXPECT_EQ(request.model.four_reflection_threshold, 0.02);
+    EXPECT_TRUE(request.model.sensor_reflection);
+    EXPECT_EQ(request.model.ringing, Ringing::kOff);
     EXPECT_EQ(request.output.compression, Compression::kNone);
     EXPECT_EQ(request.output.pixel, PixelType::kFloat);
+}
+
+TEST(FlareRequestCodec, TakesNullForTheStateTheLensFileHas) {
+    const FlareRequest request = Accepted(With(R"("focus_m":null,"zoom_mm":null)"));
+    EXPECT_FALSE(request.lens.focus_m.has_value());
+    EXPECT_FALSE(request.lens.zoom_mm.has_value());
+}
+
+TEST(FlareRequestCodec, ReadsEveryFormOfCoatings) {
+    const Coatings name = Accepted(With(R"("coatings":"mgf2-500")")).lens.coatings;
+    EXPECT_FALSE(name.none);
+    EXPECT_EQ(name.default_name, "mgf2-500");
+    EXPECT_EQ(name.default_where, "/coatings");
+    EXPECT_TRUE(name.surfaces.empty());
+
+    const Coatings both =
+        Accepted(With(R"("coatings":{"default":"bare","surfaces":{"3":"mgf2-550","10":"none"}})"))
+            .lens.coatings;
+    EXPECT_FALSE(both.none);
+    EXPECT_EQ(both.default_name, "bare");
+    EXPECT_EQ(both.default_where, "/coatings/default");
+    EXPECT_EQ(both.surfaces, (std::map<int, std::string>{{3, "mgf2-550"}, {10, "none"}}));
+
+    const Coatings single = Accepted(With(R"("coatings":{"surfaces":{"0":"bare"}})")).lens.coatings;
+    EXPECT_FALSE(single.default_name.has_value());
+    EXPECT_EQ(single.surfaces.size(), 1u);
+    EXPECT_TRUE(Accepted(With(R"("coatings":{})")).lens.coatings.own());
+}
+
+TEST(FlareRequestCodec, TakesACoatingForEverySurfaceALensCanHave) {
+    std::string surfaces;
+    for (int i = 0; i < 100; ++i) surfaces += '"' + std::to_string(i) + R"(":"bare",)";
+    surfaces.pop_back();
+    const Coatings coatings =
+        Accepted(With(R"("coatings":{"surfaces":{)" + surfaces + "}}")).lens.coatings;
+    EXPECT_EQ(coatings.surfaces.size(), 100u);
 }
 
 TEST(FlareRequestCodec, ReadsOverscan) {
@@ -114,10 +164,10 @@ TEST(FlareRequestCodec, KeepsAnInlinePrescriptionWithThePlaceOfEveryValue) {
         std::string(
             R"({"prescription":{"name":"p","surface":[{"kind":"stop"},{"radius_mm":5e1}]},)") +
         kRest + "}");
-    ASSERT_TRUE(request.prescription.has_value());
-    EXPECT_FALSE(request.lens.has_value());
-    const auto& root = std::get<JsonTree::Object>(request.prescription->value);
-    EXPECT_EQ(request.prescription->pointer, "/prescription");
+    ASSERT_TRUE(request.lens.prescription.has_value());
+    EXPECT_FALSE(request.lens.name.has_value());
+    const auto& root = std::get<JsonTree::Object>(request.lens.prescription->value);
+    EXPECT_EQ(request.lens.prescription->pointer, "/prescription");
     EXPECT_EQ(std::get<std::string>(root.at("name").value), "p");
     const auto& surfaces = std::get<JsonTree::Array>(root.at("surface").value);
     ASSERT_EQ(surfaces.size(), 2u);

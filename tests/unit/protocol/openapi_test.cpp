@@ -6,6 +6,9 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
+
+#include "protocol/codec/flare_request_codec.h"
 
 namespace flare {
 namespace {
@@ -16,6 +19,50 @@ TEST(OpenApiDocument, IsTheFileOfTheSourceTreeToTheLastByte) {
                            std::istreambuf_iterator<char>());
     ASSERT_GT(text.size(), 10'000u);
     EXPECT_TRUE(OpenApiDocument() == text);
+}
+
+// Each member with a value that suits it; the codec knows it and the document describes it.
+TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
+    const struct {
+        const char* parent;
+        const char* member;
+        const char* value;
+    } kFields[] = {
+        {"", "coatings", R"("none")"},
+        {"", "f_number", "4"},
+        {"", "focus_m", "2"},
+        {"", "zoom_mm", "85"},
+        {"", "iris", R"({"blades":6})"},
+        {"", "layers", R"(["ghosts"])"},
+        {"", "units", R"("scene_linear")"},
+        {"", "color_space", R"("lin_rec709")"},
+        {"", "quality", R"({"preset":"draft"})"},
+        {"", "model", "{}"},
+        {"", "output", "{}"},
+        {"coatings", "default", R"("bare")"},
+        {"coatings", "surfaces", R"({"3":"bare"})"},
+        {"model", "reflections", "4"},
+        {"model", "four_reflection_threshold", "0.5"},
+        {"model", "ringing", R"("auto")"},
+        {"model", "sensor_reflection", "true"},
+        {"output", "compression", R"("zip")"},
+        {"output", "pixel", R"("half")"},
+    };
+    const std::string_view document = OpenApiDocument();
+    for (const auto& field : kFields) {
+        const std::string member = std::string("\"") + field.member + "\":" + field.value;
+        const std::string nested = *field.parent == '\0'
+                                       ? member
+                                       : std::string("\"") + field.parent + "\":{" + member + "}";
+        const auto decoded = wire::DecodeFlareRequest(
+            R"({"lens":"x","image":{"width":1,"height":1,"sensor_width_mm":36},"lights":[],)" +
+            nested + "}");
+        const wire::Refusal* refusal = wire::RefusalOf(decoded);
+        EXPECT_EQ(refusal, nullptr) << nested << refusal->message;
+        EXPECT_NE(document.find(std::string(" ") + field.member + ":"), std::string_view::npos)
+            << field.member;
+    }
+    EXPECT_NE(document.find(" desqueeze:"), std::string_view::npos);
 }
 
 }  // namespace

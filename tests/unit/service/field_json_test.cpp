@@ -92,8 +92,8 @@ TEST(FieldJson, NamesTheSectionsOfAnAnamorphicLens) {
 
 TEST(LensJson, HasTheFieldOnlyWhereAskedFor) {
     const auto lens = LensOfLibrary("tronnier-double-gauss-50mm-f2");
-    EXPECT_FALSE(Parsed(LensJson(*lens)).root().Find("field").has_value());
-    const JsonDocument document = Parsed(LensJson(*lens, true));
+    EXPECT_FALSE(Parsed(LensJson(*lens, {lens, {}, {}}, false)).root().Find("field").has_value());
+    const JsonDocument document = Parsed(LensJson(*lens, {lens, {}, {}}, true));
     const JsonView table = Child(*document.root().Find("field")->Find("tables"), 0);
     EXPECT_EQ(table.Find("rows")->child_count(), 11u);
 }

@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "core/image/exr.h"
 #include "protocol/codec/json_document.h"
@@ -115,6 +118,146 @@ TEST_F(Service, ReportsWhatItDid) {
     EXPECT_GT(root.Find("work")->Find("rays_traced")->number(), 0.0);
     EXPECT_EQ(root.Find("work")->Find("rays_traced")->number(),
               static_cast<double>(reply->work.rays_traced));
+}
+
+double NumberAttribute(const FlareImage& image, const std::string& name) {
+    for (const auto& [key, value] : image.number_attributes) {
+        if (key == name) return value;
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string Replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+TEST_F(Service, TellsTheStateOfTheLens) {
+    const auto far = Serve(kBody, ReplyFormat::kExr);
+    const auto near =
+        Serve(Replaced(kBody, "\"f_number\"", R"("focus_m":0.5,"zoom_mm":7,"f_number")"),
+              ReplyFormat::kExr);
+    ASSERT_TRUE(far);
+    ASSERT_TRUE(near) << near.error().message;
+    EXPECT_TRUE(std::isnan(NumberAttribute(*DecodeExr(far->bytes), "focus")));
+    EXPECT_EQ(NumberAttribute(*DecodeExr(near->bytes), "focus"), 0.5);
+    const wire::JsonDocument told = Parsed(near->report);
+    EXPECT_EQ(told.root().Find("state")->Find("focus_m")->number(), 0.5);
+    EXPECT_EQ(told.root().Find("state")->Find("zoom_mm")->kind(), wire::JsonKind::kNull);
+    EXPECT_NE(near->report.find("\"/zoom_mm: 7.0"), std::string::npos) << near->report;
+    const wire::JsonDocument summary = Parsed(near->report_summary);
+    EXPECT_EQ(summary.root().Find("state")->Find("focus_m")->number(), 0.5);
+}
+
+constexpr char kFourReflections[] =
+    R"("model":{"reflections":4,"four_reflection_threshold":1e-6},)";
+
+TEST_F(Service, CountsWhatFourReflectionsHoldAndLose) {
+    const auto reply =
+        Serve(Replaced(kBody, "\"quality\"", std::string(kFourReflections) + "\"quality\""),
+              ReplyFormat::kExr);
+    ASSERT_TRUE(reply) << reply.error().message;
+    const wire::JsonDocument report = Parsed(reply->report);
+    const wire::JsonView root = report.root();
+    EXPECT_EQ(root.Find("model")->Find("reflections")->number(), 4.0);
+    const wire::JsonView four = *root.Find("four_reflections");
+    EXPECT_EQ(four.Find("threshold")->number(), 1e-6);
+    // r1 > r2 < r3 > r4 among four surfaces.
+    const double sequences = four.Find("sequences")->number();
+    const double rendered = four.Find("rendered")->number();
+    int expected = 0;
+    for (int r1 = 0; r1 < 4; ++r1)
+        for (int r2 = 0; r2 < r1; ++r2)
+            for (int r3 = r2 + 1; r3 < 4; ++r3) expected += r3;
+    EXPECT_EQ(sequences, expected);
+    EXPECT_GT(rendered, 0.0);
+    EXPECT_LE(rendered, sequences);
+    EXPECT_EQ(root.Find("ghost_count")->number(), 6.0 + rendered);
+    double of_four = 0.0;
+    std::size_t rows = 0;
+    const wire::JsonView ghosts = *root.Find("ghosts");
+    for (auto ghost = ghosts.FirstChild(); ghost; ghost = ghost->NextSibling()) {
+        const std::size_t reflections = ghost->Find("sequence")->child_count();
+        if (rows++ < 6) {
+            EXPECT_EQ(reflections, 2u);
+        } else {
+            EXPECT_EQ(reflections, 4u);
+            of_four += ghost->Find("flux_mm2")->number();
+        }
+    }
+    // The choice goes by coarse meshes, the list by those that were drawn.
+    const double chosen = four.Find("rendered_flux_mm2")->number();
+    EXPECT_NEAR(of_four, chosen, 0.1 * chosen);
+    EXPECT_EQ(root.Find("culled_flux_mm2")->number(), four.Find("lost_flux_mm2")->number());
+}
+
+// Between a plane and a cylinder on either side, an afocal attachment of 0.5 in x: f in x is half
+// of f in y exactly, since the inner vertices stand 2 R2 - 2 R1 apart (n = 1.5).
+constexpr char kAnamorphicBody[] =
+    R"({"prescription":{"name":"anamorphic","surface":[
+          {"kind":"plane","gap_mm":3,"nd":1.5,"semi_diameter_mm":25},
+          {"kind":"cylinder_x","radius_mm":50,"gap_mm":100,"semi_diameter_mm":25},
+          {"kind":"cylinder_x","radius_mm":100,"gap_mm":6,"nd":1.5,"semi_diameter_mm":25},
+          {"kind":"plane","gap_mm":5,"semi_diameter_mm":25},
+          {"kind":"stop","gap_mm":1,"semi_diameter_mm":6},
+          {"kind":"sphere","radius_mm":50,"gap_mm":4,"nd":1.5168,"vd":64.2,"semi_diameter_mm":12},
+          {"kind":"sphere","radius_mm":-200,"semi_diameter_mm":12}]},
+        "quality":{"preset":"draft"},
+        "image":{"width":48,"height":40,"sensor_width_mm":36},
+        "lights":[{"direction":[0.1,0.05,1]}]})";
+
+TEST_F(Service, SqueezesOrDesqueezesThePictureOfAnAnamorphicLens) {
+    const auto squeezed = Serve(kAnamorphicBody, ReplyFormat::kExr);
+    ASSERT_TRUE(squeezed) << squeezed.error().where << squeezed.error().message;
+    const auto desqueezed = Serve(
+        Replaced(kAnamorphicBody, "\"width\"", "\"desqueeze\":true,\"width\""), ReplyFormat::kExr);
+    ASSERT_TRUE(desqueezed);
+    const FlareImage one = *DecodeExr(squeezed->bytes);
+    const FlareImage other = *DecodeExr(desqueezed->bytes);
+    EXPECT_NEAR(one.pixel_aspect, 2.0, 1e-6);
+    EXPECT_NEAR(other.pixel_aspect, 1.0, 1e-6);
+    EXPECT_NEAR(NumberAttribute(one, "flareSqueeze"), 2.0, 1e-6);
+    EXPECT_EQ(NumberAttribute(one, "flareDesqueezed"), 0.0);
+    EXPECT_EQ(NumberAttribute(other, "flareDesqueezed"), 1.0);
+    const wire::JsonDocument first = Parsed(squeezed->report), second = Parsed(desqueezed->report);
+    EXPECT_NEAR(first.root().Find("squeeze")->number(), 2.0, 1e-9);
+    EXPECT_TRUE(second.root().Find("desqueezed")->boolean());
+    // The light's place: as far right, half as far from the middle row.
+    const auto place = [](const wire::JsonDocument& report) {
+        const wire::JsonView pixel =
+            *report.root().Find("lights")->FirstChild()->Find("pixel")->FirstChild();
+        return std::pair(pixel.number() - 24.0, 20.0 - pixel.NextSibling()->number());
+    };
+    EXPECT_NEAR(place(second).first, place(first).first, 1e-9);
+    EXPECT_NEAR(place(second).second, 0.5 * place(first).second, 1e-9);
+    EXPECT_GT(place(first).second, 1.0);
+}
+
+// A lens that bends light in one section alone has no squeeze, and an afocal one neither.
+TEST_F(Service, RendersLensesWithoutAFocalLength) {
+    for (const char* kind : {"cylinder_x", "plane"}) {
+        const std::string radius = std::string(kind) == "plane" ? "" : R"("radius_mm":60,)";
+        const auto reply =
+            Serve(R"({"prescription":{"name":"p","surface":[{"kind":")" + std::string(kind) +
+                      "\"," + radius + R"("gap_mm":4,"nd":1.5,"semi_diameter_mm":10},
+                {"kind":"plane","gap_mm":1,"semi_diameter_mm":10},
+                {"kind":"stop","gap_mm":50,"semi_diameter_mm":5}]},
+                "units":"sensor_irradiance","quality":{"preset":"draft"},"f_number":8,
+                "image":{"width":16,"height":9,"sensor_width_mm":36},
+                "lights":[{"direction":[0,0,1]}]})",
+                  ReplyFormat::kExr);
+        ASSERT_TRUE(reply) << kind << reply.error().message;
+        EXPECT_EQ(DecodeExr(reply->bytes)->pixel_aspect, 1.0) << kind;
+    }
+}
+
+TEST_F(Service, RefusesASensorReflectionThatTheLensHasNot) {
+    const auto reply =
+        Serve(Replaced(kBody, "\"quality\"", R"("model":{"sensor_reflection":true},"quality")"),
+              ReplyFormat::kExr);
+    ASSERT_FALSE(reply);
+    EXPECT_EQ(reply.error().where, "/model/sensor_reflection");
 }
 
 TEST_F(Service, SumsUpInOneHeaderLine) {

@@ -3,6 +3,7 @@
 // `flare trace` from text to text, on a singlet whose axial ray has a closed form.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "protocol/codec/json_document.h"
@@ -84,6 +85,44 @@ TEST_F(TraceText, SetsARoundIrisByTheFNumber) {
     const JsonView ray = Traced(std::string(R"("f_number":22,)") + rays);
     EXPECT_EQ(ray.Find("fate")->string(), "stopped");
     EXPECT_EQ(Number(ray, "ended_at_surface"), 2.0);
+}
+
+// Unit focusing by the closed form: the singlet is equiconvex, so f and HH' follow from the
+// lensmaker's formula for thick lenses.
+TEST_F(TraceText, FocusesTheLens) {
+    const double path_far = Number(Traced(kAxial), "path_mm");
+    const JsonView ray = Traced(std::string(R"("focus_m":0.5,)") + kAxial);
+    const double f = 1.0 / ((kIndex - 1) * (2.0 / 50 - (kIndex - 1) * 5 / (kIndex * 2500)));
+    const double from_vertex = f * (kIndex - 1) * 5 / (kIndex * 50);  // vertex to principal plane
+    const double s = 500.0 - (5 - 2 * from_vertex);
+    const double shift = 0.5 * (s - std::sqrt(s * s - 4 * f * s)) - f;
+    EXPECT_NEAR(Number(ray, "path_mm") - path_far, shift, 1e-9);
+    const JsonView state = *document_.root().Find("state");
+    EXPECT_EQ(Number(state, "focus_m"), 0.5);
+    EXPECT_NEAR(Number(state, "focus_shift_mm"), shift, 1e-9);
+    EXPECT_EQ(state.Find("zoom_mm")->kind(), wire::JsonKind::kNull);
+}
+
+TEST_F(TraceText, SaysWhatWasClamped) {
+    Traced(std::string(R"("focus_m":0.001,"f_number":0.5,)") + kAxial);
+    const JsonView clamped = *document_.root().Find("state")->Find("clamped");
+    ASSERT_EQ(clamped.child_count(), 1u);
+    EXPECT_EQ(clamped.FirstChild()->Find("field")->string(), "focus_m");
+    // The stop lies behind the lens: its image is as large as the beam that fills it.
+    EXPECT_GT(Number(document_.root(), "f_number"), 3.0);
+}
+
+// A quarter wave at the traced wavelength: R = ((n - c^2) / (n + c^2))^2 for a layer of index c.
+TEST_F(TraceText, WeighsTheCoatingsThatWereAskedFor) {
+    const double c2 = 1.38 * 1.38;
+    const double r = (kIndex - c2) / (kIndex + c2);
+    const double bare = (kIndex - 1) / (kIndex + 1);
+    const char* rays = R"("wavelength_nm":550,"rays":[{"origin":[0,0,-10],"direction":[0,0,1]}])";
+    EXPECT_NEAR(Number(Traced(std::string(R"("coatings":"mgf2-550",)") + rays), "weight"),
+                (1 - r * r) * (1 - r * r), 1e-9);
+    EXPECT_NEAR(Number(Traced(std::string(R"("coatings":{"surfaces":{"1":"mgf2-550"}},)") + rays),
+                       "weight"),
+                (1 - bare * bare) * (1 - r * r), 1e-9);
 }
 
 TEST_F(TraceText, KeepsTheOrderOfManyRays) {

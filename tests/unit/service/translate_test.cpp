@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/optics/prescription_faults.h"
 #include "protocol/codec/flare_request_codec.h"
 #include "protocol/limits.h"
 #include "server/translate/request_from_wire.h"
@@ -100,6 +101,24 @@ TEST(RequestFromWire, TakesDirectionsOfAnyLength) {
     }
 }
 
+TEST(RequestFromWire, CarriesStateAndModelOver) {
+    const Result<FlareRequest> request = Translated(SeedBody(
+        R"("focus_m":1.5,"model":{"reflections":4,"four_reflection_threshold":0.02,
+           "sensor_reflection":true})"));
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->state, (LensState{1.5, std::nullopt}));
+    EXPECT_TRUE(request->state_clamped.empty());
+    EXPECT_EQ(request->model.reflections, 4);
+    EXPECT_EQ(request->model.four_reflection_threshold, 0.02);
+    EXPECT_TRUE(request->model.sensor_reflection);
+    EXPECT_FALSE(request->image.desqueeze);
+    const Result<FlareRequest> wide = Translated(
+        std::string(R"({"lens":")") + kSeed +
+        R"(","image":{"width":8,"height":8,"sensor_width_mm":36,"desqueeze":true},"lights":[]})");
+    ASSERT_TRUE(wide);
+    EXPECT_TRUE(wide->image.desqueeze);
+}
+
 TEST(RequestFromWire, NamesTheFieldOfAnUnknownLens) {
     const Result<FlareRequest> request = Translated(Body(R"("lens":"tronnier-double-gaus")"));
     ASSERT_FALSE(request);
@@ -149,9 +168,9 @@ TEST(RequestFromWire, NamesThePlaceInABadInlinePrescription) {
         {"radius is text",
          R"({"name":"p","surface":[{"kind":"sphere","radius_mm":"50","semi_diameter_mm":5}]})",
          "bad_lens", "/prescription/surface/0/radius_mm"},
-        {"kind of a later version",
-         R"({"name":"p","surface":[{"kind":"asphere","radius_mm":50,"semi_diameter_mm":5}]})",
-         "unsupported", "/prescription/surface/0/kind"},
+        {"kind that is none",
+         R"({"name":"p","surface":[{"kind":"mirror","radius_mm":50,"semi_diameter_mm":5}]})",
+         "bad_lens", "/prescription/surface/0/kind"},
         {"semi-diameter above the radius",
          R"({"name":"p","surface":[
              {"kind":"sphere","radius_mm":5,"gap_mm":2,"nd":1.5,"semi_diameter_mm":6},
@@ -172,12 +191,15 @@ std::string HashOf(const std::string& body) {
     const wire::FlareRequest request = Decoded(body);
     const Result<FlareRequest> translated = RequestFromWire(request, Library());
     EXPECT_TRUE(translated);
-    return RequestHash(request, *translated->lens).hex();
+    return RequestHash(request, *translated).hex();
 }
 
 TEST(RequestHash, IsTheSameForBodiesThatMeanTheSame) {
     const std::string plain = HashOf(SeedBody(R"("units":"scene_linear")"));
     EXPECT_EQ(plain, HashOf(SeedBody(R"( "quality" : {"preset": "preview"} , "focus_m":null)")));
+    EXPECT_EQ(plain, HashOf(SeedBody(R"("coatings":{},"model":{"reflections":2})")));
+    EXPECT_EQ(HashOf(SeedBody(R"("coatings":"mgf2-500")")),
+              HashOf(SeedBody(R"("coatings":{"default":"mgf2-500","surfaces":{}})")));
     EXPECT_EQ(plain, HashOf(std::string(R"({"lights":[{"irradiance":[1.0,1e0,10e-1],
                  "direction":[0,-0.0,1]}],"lens":")") +
                             kSeed + R"(",
@@ -187,13 +209,31 @@ TEST(RequestHash, IsTheSameForBodiesThatMeanTheSame) {
 TEST(RequestHash, ChangesWithEveryField) {
     const std::string plain = HashOf(SeedBody(R"("units":"scene_linear")"));
     std::vector<std::string> hashes{plain};
-    for (const char* members :
-         {R"("units":"sensor_irradiance")", R"("f_number":4)", R"("f_number":4.0000000000000009)",
-          R"("coatings":"none")", R"("iris":{"blades":5})", R"("iris":{"roundness":0.5})",
-          R"("iris":{"rotation_deg":1})", R"("quality":{"preset":"draft"})",
-          R"("output":{"pixel":"float"})", R"("output":{"compression":"none"})",
-          R"("color_space":"spectral","wavelengths_nm":[550])",
-          R"("color_space":"spectral","wavelengths_nm":[550,551])"}) {
+    for (const char* members : {R"("units":"sensor_irradiance")",
+                                R"("f_number":4)",
+                                R"("f_number":4.0000000000000009)",
+                                R"("coatings":"none")",
+                                R"("iris":{"blades":5})",
+                                R"("iris":{"roundness":0.5})",
+                                R"("iris":{"rotation_deg":1})",
+                                R"("quality":{"preset":"draft"})",
+                                R"("output":{"pixel":"float"})",
+                                R"("output":{"compression":"none"})",
+                                R"("color_space":"spectral","wavelengths_nm":[550])",
+                                R"("color_space":"spectral","wavelengths_nm":[550,551])",
+                                R"("focus_m":2)",
+                                R"("focus_m":0.01)",
+                                R"("focus_m":0.02)",
+                                R"("zoom_mm":70)",
+                                R"("coatings":"mgf2-500")",
+                                R"("coatings":"bare")",
+                                R"("coatings":{"surfaces":{"3":"mgf2-500"}})",
+                                R"("coatings":{"surfaces":{"4":"mgf2-500"}})",
+                                R"("coatings":{"default":"bare","surfaces":{"4":"mgf2-500"}})",
+                                R"("model":{"reflections":4})",
+                                R"("model":{"four_reflection_threshold":0.01})",
+                                R"("model":{"sensor_reflection":true})",
+                                R"("model":{"ringing":"off"})"}) {
         hashes.push_back(HashOf(SeedBody(members)));
     }
     const std::string lens = std::string(R"({"lens":")") + kSeed + R"(",)";
@@ -202,7 +242,7 @@ TEST(RequestHash, ChangesWithEveryField) {
     for (const char* more :
          {R"(,"crop":[0,0,192,108])", R"(,"overscan":[1,0,0,0])", R"(,"overscan":[0,1,0,0])",
           R"(,"center_offset_mm":[1,0])", R"(,"center_offset_mm":[0,1])", R"(,"pixel_aspect":2)",
-          R"(,"projection":"lens")", R"(,"projection":"rectilinear")"}) {
+          R"(,"projection":"lens")", R"(,"projection":"rectilinear")", R"(,"desqueeze":true)"}) {
         hashes.push_back(HashOf(lens + image + more + "}," + light + "}]}"));
     }
     for (const char* lights : {"[]", R"([{"direction":[0,0,2]}])", R"([{"pixel":[96,54]}])",
@@ -222,6 +262,8 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(limits::kImageSide, kMaxImageSide);
     EXPECT_EQ(limits::kImagePixels, kMaxImagePixels);
     EXPECT_EQ(static_cast<int>(limits::kWavelengths), kMaxWavelengths);
+    EXPECT_EQ(limits::kMaxFourReflectionThreshold, kMaxFourReflectionThreshold);
+    EXPECT_EQ(static_cast<int>(limits::kSurfaces), kMaxSurfaces);
 }
 
 }  // namespace

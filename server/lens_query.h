@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The query of GET /v1/lenses/NAME/ghosts.
+// The queries of GET /v1/lenses/NAME and GET /v1/lenses/NAME/ghosts.
 #pragma once
 
-#include <optional>
 #include <string_view>
 
 #include "core/base/result.h"
+#include "server/translate/ghost_query.h"
 
 namespace flare {
 
-struct GhostQuery {
-    double field_deg = 0.0;
-    std::optional<double> f_number;       // absent: wide open
-    std::optional<double> wavelength_nm;  // absent: the d line
-    bool bare_glass = false;              // coatings=none
-};
-
 // Strict: an unknown, repeated or senseless parameter is an error whose `where` is "?name".
+Result<LensState> ParseLensQuery(std::string_view query);
 Result<GhostQuery> ParseGhostQuery(std::string_view query);
 
 }  // namespace flare
