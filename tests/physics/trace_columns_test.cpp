@@ -93,8 +93,8 @@ INSTANTIATE_TEST_SUITE_P(Library, FloatTracer,
                                            Case{"canon-zoom-70-200mm-f2_8", 0.02},
                                            Case{"kreitzer-telephoto-400mm-f5_6", 0.05},
                                            Case{"shimizu-fisheye-6mm-f2_8-220deg", 0.05}),
-                         [](const auto& info) {
-                             std::string name = info.param.name;
+                         [](const auto& tested) {
+                             std::string name = tested.param.name;
                              std::replace_if(
                                  name.begin(), name.end(),
                                  [](char c) { return c == '-' || c == '.'; }, '_');
