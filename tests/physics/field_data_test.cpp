@@ -98,7 +98,7 @@ double CountedTransmittance(const Lens& lens, const LightBundle& bundle, double 
     const InteractionList list = WriteOut(lens, {}, wavelength_nm);
     const TraceOptions options;
     const double half = bundle.half_width();
-    testing::ArrivalBox box{bundle.centre_u() - half, bundle.centre_u() + half, half, false};
+    testing::ArrivalBox box{bundle.centre_u() - half, bundle.centre_u() + half, 0.0, half, false};
     for (int look = 0; look < 2; ++look) {
         box = testing::LookForArrivals(list, bundle, options, box, 240);
     }
@@ -174,13 +174,14 @@ double CountedIrradiance(const Lens& lens, double field_rad, double azimuth_rad,
     const InteractionList list = WriteOut(lens, {}, kLineD);
     const TraceOptions options;
     const double reach = bundle.half_width();
-    testing::ArrivalBox box{bundle.centre_u() - reach, bundle.centre_u() + reach, reach, false};
+    testing::ArrivalBox box{bundle.centre_u() - reach, bundle.centre_u() + reach, 0.0, reach,
+                            false};
     for (int look = 0; look < 2; ++look) {
         box = testing::LookForArrivals(list, bundle, options, box, 240);
     }
     // Light from a little beside comes in a little beside.
     const double margin = 0.4 * (box.u1 - box.u0);
-    box = {box.u0 - margin, box.u1 + margin, box.v1 + margin, false};
+    box = {box.u0 - margin, box.u1 + margin, 0.0, box.v1 + margin, false};
     const bool in_y = azimuth_rad != 0.0;
     const auto tilt_for = [&](Section section) {
         return 1.3 * square_mm / lens.first_order(section).projection_distance_mm;

@@ -106,14 +106,15 @@ TEST(SensorGhosts, EndWhereTheSensorDoes) {
     EXPECT_GT(EntryOf(Ranked(WithSensor(1.5), 40.0, 1.0), {2, 1}).flux_mm2, 0.0);
 }
 
+// The frame holds all the light of the widest of them.
 TEST(SensorGhosts, AreDrawnWhenAskedForAndOnlyThen) {
     Studio studio;
     const auto lens = WithSensor();
     FlareRequest request = testing::SpectralRequest(lens, 40.0, 160, 160);
-    request.image.sensor_width_mm = 40.0;
+    request.image.sensor_width_mm = 120.0;
     request.lights = {LightAt(1.0)};
     const auto light = [&](const FlareRequest& wanted) {
-        const double pitch = 40.0 / 160.0;
+        const double pitch = 120.0 / 160.0;
         return testing::Sum(studio.Shoot(wanted).image.planes[0]) * pitch * pitch;
     };
     const GhostList list = Ranked(lens, 40.0, 1.0);
