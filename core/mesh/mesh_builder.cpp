@@ -1,26 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A grid is traced raw, with the rim ratio of every interaction; then the rims that cut the ghost
-// are found and only those are kept. The light lies in the meridional plane, so the main grid is
-// traced for v >= 0 and mirrored.
+// Grids are traced raw, with the rim ratio of every interaction (raw_grid.h). Here is decided which
+// of their cells light can use, which need a finer patch, and which rims cut the ghost: only those
+// are kept.
 #include "core/mesh/mesh_builder.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "core/base/check.h"
 #include "core/mesh/pass_region.h"
-#include "core/mesh/transmission.h"
+#include "core/mesh/raw_grid.h"
 
 namespace flare {
 namespace {
 
 constexpr int kTracerVersion = 3;  // part of every key: raise when traced values change
-
-// Cells beyond the pass region on each side, so that the masks' edges lie inside the grid with
-// neighbours for cubic interpolation.
-constexpr double kGuardCells = 1.5;
 
 // Bounds the memory of a mesh that hardly any ray survives; past it cells that have four living
 // corners stay as they are and others are left out.
@@ -33,227 +28,36 @@ constexpr double kNearCritical = 0.1;
 // pass.
 constexpr double kNearlyPasses = 1.05;
 
-struct RawNode {
-    std::vector<float> exit;     // [vertex][x, y, dx/dz, dy/dz] at the last vertex
-    std::vector<float> stops;    // [vertex][2 * crossings]
-    std::vector<float> rims;     // [vertex][interaction], see GhostMesh
-    std::vector<float> passage;  // [vertex][passage], see transmission.h
-};
-
-// How a vertex counts for the masks at all wavelengths.
-enum class VertexState : std::uint8_t { kAlive, kDead, kDeadOutside };
-
-struct RawGrid {
-    MeshGrid grid;
-    std::vector<RawNode> nodes;
-    std::vector<VertexState> state;
-    std::vector<float>
-        smallest_rim;  // [vertex] over wavelengths: largest rim ratio^2 met (rims, stop)
-};
-
-using CellCorners = std::array<std::size_t, 4>;
-
-CellCorners CornersOf(const MeshGrid& grid, int i, int j) {
-    return {grid.Vertex(i, j), grid.Vertex(i + 1, j), grid.Vertex(i, j + 1),
-            grid.Vertex(i + 1, j + 1)};
-}
-
 class Builder {
   public:
     Builder(const Lens& lens, const MeshSpec& spec)
-        : spec_(spec),
-          bundle_(lens, spec.field_rad, spec.inverse_distance, spec.azimuth_rad),
-          sensor_gap_mm_(lens.nominal_sensor_gap_mm()) {
-        for (const double wavelength : spec.wavelengths_nm) {
-            lists_.push_back(WriteOut(lens, spec.sequence, wavelength));
-            // Traced to the last vertex, wherever the sensor stands: not even the last bit may
-            // depend on the focus.
-            lists_.back().sensor_z_mm = lens.surfaces().back().vertex_z_mm;
-        }
+        : spec_(spec), tracer_(lens, spec), sensor_gap_mm_(lens.nominal_sensor_gap_mm()) {
         mesh_.sequence = spec.sequence;
         mesh_.field_rad = spec.field_rad;
         mesh_.azimuth_rad = spec.azimuth_rad;
         mesh_.inverse_distance = spec.inverse_distance;
-        mesh_.absorbing = AbsorbingSteps(lens, spec.sequence);
-        mesh_.stop_crossings = lists_.front().stop_crossings;
-        mesh_.interactions = static_cast<int>(lists_.front().steps.size());
+        mesh_.absorbing = tracer_.absorbing();
+        mesh_.stop_crossings = static_cast<int>(tracer_.crossings());
+        mesh_.interactions = static_cast<int>(tracer_.steps());
         stop_semi_diameter_mm_ =
             lens.surfaces()[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm;
     }
 
     GhostMesh Build() {
-        const PassRegion region = FindPassRegion(lists_, bundle_);
-        mesh_.rays_traced += region.rays;
-        mesh_.ray_surfaces += region.ray_surfaces;
-        if (!region.rect) return std::move(mesh_);
-
-        std::vector<RawGrid> raw;
-        raw.push_back(MainGrid(*region.rect));
-        UseMainCells(raw);
-        ChooseRims(raw);
-        for (RawGrid& r : raw) mesh_.grids.push_back(Pack(std::move(r)));
+        const PassRegion region = FindPassRegion(tracer_.lists(), tracer_.bundle());
+        if (region.rect) {
+            std::vector<RawGrid> raw;
+            raw.push_back(tracer_.MainGrid(*region.rect));
+            UseMainCells(raw);
+            ChooseRims(raw);
+            for (RawGrid& r : raw) mesh_.grids.push_back(Pack(std::move(r)));
+        }
+        mesh_.rays_traced = region.rays + tracer_.rays();
+        mesh_.ray_surfaces = region.ray_surfaces + tracer_.ray_surfaces();
         return std::move(mesh_);
     }
 
   private:
-    RawGrid MainGrid(const Rect& rect) {
-        const int cells = spec_.cells;
-        RawGrid raw;
-        raw.grid.nu = raw.grid.nv = cells + 1;
-        const double inner = cells - 2.0 * kGuardCells;
-        raw.grid.du = (rect.u1 - rect.u0) / inner;
-        raw.grid.dv = (rect.v1 - rect.v0) / inner;
-        raw.grid.u0 = rect.u0 - kGuardCells * raw.grid.du;
-        const bool mirrored = bundle_.mirror_symmetric();
-        raw.grid.v0 = mirrored ? -0.5 * cells * raw.grid.dv : rect.v0 - kGuardCells * raw.grid.dv;
-        Allocate(raw);
-        FLARE_CHECK(cells % 2 == 0);
-        for (int j = mirrored ? cells / 2 : 0; j <= cells; ++j) {
-            for (int i = 0; i <= cells; ++i) {
-                TraceVertex(raw, i, j);
-                if (mirrored && j > cells / 2)
-                    MirrorVertex(raw, raw.grid.Vertex(i, j), raw.grid.Vertex(i, cells - j));
-            }
-        }
-        return raw;
-    }
-
-    RawGrid Patch(const MeshGrid& main, int ci, int cj) {
-        RawGrid raw;
-        raw.grid.nu = raw.grid.nv = spec_.patch_cells + 1;
-        raw.grid.du = main.du / spec_.patch_cells;
-        raw.grid.dv = main.dv / spec_.patch_cells;
-        raw.grid.u0 = main.u0 + ci * main.du;
-        raw.grid.v0 = main.v0 + cj * main.dv;
-        Allocate(raw);
-        for (int j = 0; j <= spec_.patch_cells; ++j) {
-            for (int i = 0; i <= spec_.patch_cells; ++i) TraceVertex(raw, i, j);
-        }
-        raw.grid.smooth = std::all_of(raw.state.begin(), raw.state.end(),
-                                      [](VertexState s) { return s == VertexState::kAlive; });
-        for (int j = 0; j < spec_.patch_cells; ++j) {
-            for (int i = 0; i < spec_.patch_cells; ++i) {
-                int living = 0;
-                for (const std::size_t v : CornersOf(raw.grid, i, j)) {
-                    living += raw.state[v] == VertexState::kAlive ? 1 : 0;
-                }
-                raw.grid.cells[raw.grid.Cell(i, j)] = living == 4   ? CellUse::kUsed
-                                                      : living == 3 ? CellUse::kTriangle
-                                                                    : CellUse::kOutside;
-            }
-        }
-        return raw;
-    }
-
-    void Allocate(RawGrid& raw) const {
-        const auto vertices =
-            static_cast<std::size_t>(raw.grid.nu) * static_cast<std::size_t>(raw.grid.nv);
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        raw.grid.cells.assign(
-            static_cast<std::size_t>(raw.grid.nu - 1) * static_cast<std::size_t>(raw.grid.nv - 1),
-            CellUse::kOutside);
-        raw.state.assign(vertices, VertexState::kAlive);
-        raw.smallest_rim.assign(vertices, 0.0F);
-        for (std::size_t k = 0; k < lists_.size(); ++k) {
-            RawNode node;
-            node.exit.assign(vertices * 4, 0.0F);
-            node.stops.assign(vertices * 2 * static_cast<std::size_t>(mesh_.stop_crossings), 0.0F);
-            node.rims.assign(vertices * steps, 0.0F);
-            node.passage.assign(vertices * PassageCount(), 0.0F);
-            raw.nodes.push_back(std::move(node));
-        }
-    }
-
-    void TraceVertex(RawGrid& raw, int i, int j) {
-        const std::size_t vertex = raw.grid.Vertex(i, j);
-        const Ray ray = bundle_.At(raw.grid.u0 + i * raw.grid.du, raw.grid.v0 + j * raw.grid.dv);
-        TraceOptions options;
-        options.clip = false;
-        double smallest = 1e30;
-        for (std::size_t k = 0; k < lists_.size(); ++k) {
-            const TraceResult result = TraceRay(lists_[k], ray, options, &record_);
-            ++mesh_.rays_traced;
-            mesh_.ray_surfaces += record_.rim_ratio2.size();
-            const double largest =
-                record_.rim_ratio2.empty()
-                    ? 0.0
-                    : *std::max_element(record_.rim_ratio2.begin(), record_.rim_ratio2.end());
-            smallest = std::min(smallest, largest);
-            if (result.fate != RayFate::kArrived || result.out_of_order_inside) {
-                // A ray that left the rims before it died would not have passed anyway.
-                const VertexState now =
-                    largest > 1.0 ? VertexState::kDeadOutside : VertexState::kDead;
-                if (raw.state[vertex] != VertexState::kDead) raw.state[vertex] = now;
-                continue;
-            }
-            Store(raw.nodes[k], lists_[k], vertex, result);
-        }
-        raw.smallest_rim[vertex] = static_cast<float>(std::min(smallest, 1e30));
-    }
-
-    void Store(RawNode& node, const InteractionList& list, std::size_t vertex,
-               const TraceResult& result) const {
-        const Vec3d& d = result.exit_direction;
-        const double slope_x = d.x / d.z;
-        const double slope_y = d.y / d.z;
-        float* const exit = &node.exit[vertex * 4];
-        exit[0] = static_cast<float>(result.sensor_mm.x);
-        exit[1] = static_cast<float>(result.sensor_mm.y);
-        exit[2] = static_cast<float>(slope_x);
-        exit[3] = static_cast<float>(slope_y);
-        for (std::size_t c = 0; c < record_.stop_mm.size(); ++c) {
-            float* const stop = &node.stops[(vertex * record_.stop_mm.size() + c) * 2];
-            stop[0] = static_cast<float>(record_.stop_mm[c].x);
-            stop[1] = static_cast<float>(record_.stop_mm[c].y);
-        }
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        for (std::size_t s = 0; s < steps; ++s) {
-            const Interaction& step = list.steps[s];
-            const double cos_in = record_.cos_in[s];
-            const double eta = step.n_in / step.n_out;
-            const double rare =
-                eta <= 1.0 ? cos_in * cos_in : 1.0 - eta * eta * (1.0 - cos_in * cos_in);
-            const double r2 = record_.rim_ratio2[s];
-            node.rims[vertex * steps + s] = static_cast<float>((r2 - 1.0) / (r2 + 1.0));
-            node.passage[vertex * PassageCount() + s] = static_cast<float>(rare);
-        }
-        for (std::size_t a = 0; a < mesh_.absorbing.size(); ++a) {
-            node.passage[vertex * PassageCount() + steps + a] = static_cast<float>(
-                record_.segment_mm[static_cast<std::size_t>(mesh_.absorbing[a])]);
-        }
-    }
-
-    void MirrorVertex(RawGrid& raw, std::size_t from, std::size_t to) const {
-        raw.state[to] = raw.state[from];
-        raw.smallest_rim[to] = raw.smallest_rim[from];
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        const auto crossings = static_cast<std::size_t>(mesh_.stop_crossings);
-        for (RawNode& node : raw.nodes) {
-            for (std::size_t pair = 0; pair < 2; ++pair) {
-                MirrorPair(&node.exit[from * 4 + 2 * pair], &node.exit[to * 4 + 2 * pair]);
-            }
-            for (std::size_t c = 0; c < crossings; ++c) {
-                MirrorPair(&node.stops[(from * crossings + c) * 2],
-                           &node.stops[(to * crossings + c) * 2]);
-            }
-            const auto copy = [&](std::vector<float>& values, std::size_t stride) {
-                std::copy_n(&values[from * stride], stride, &values[to * stride]);
-            };
-            copy(node.rims, steps);
-            copy(node.passage, PassageCount());
-        }
-    }
-
-    // Mirrors x, y in the plane of light and axis: the x-z plane or, for an anamorphic lens lit
-    // from there, the y-z plane.
-    void MirrorPair(const float* from, float* to) const {
-        const bool in_y = spec_.azimuth_rad != 0.0;
-        to[0] = in_y ? -from[0] : from[0];
-        to[1] = in_y ? from[1] : -from[1];
-    }
-
-    std::size_t PassageCount() const { return static_cast<std::size_t>(mesh_.passage_count()); }
-
     // Decides the use of each main cell and adds a patch where a cell that may pass has a dead
     // corner.
     void UseMainCells(std::vector<RawGrid>& raw) {
@@ -274,7 +78,7 @@ class Builder {
                                                : MayPassInPart(main, corners, living, dead_inside);
                 if (patch && raw.size() <= kMostPatches) {
                     use = CellUse::kPatched;
-                    raw.push_back(Patch(raw.front().grid, i, j));
+                    raw.push_back(tracer_.Patch(raw.front().grid, i, j));
                 } else if (living == 4) {
                     use = OutsideARim(main, corners) ? CellUse::kOutside : CellUse::kUsed;
                 }
@@ -284,7 +88,7 @@ class Builder {
 
     // All four corners beyond one rim, and so far beyond that the cell's middle is too.
     bool OutsideARim(const RawGrid& raw, const CellCorners& corners) const {
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const std::size_t steps = tracer_.steps();
         for (std::size_t s = 0; s < steps; ++s) {
             bool outside = true;
             for (std::size_t k = 0; k < raw.nodes.size() && outside; ++k) {
@@ -357,12 +161,12 @@ class Builder {
             };
             if (Miss(place) > spec_.position_tolerance_mm) return true;
         }
-        const auto stop_values = 2 * static_cast<std::size_t>(mesh_.stop_crossings);
+        const std::size_t stop_values = 2 * tracer_.crossings();
         for (std::size_t s = 0; s < stop_values; ++s) {
             if (miss(node.stops, stop_values, s) > spec_.mask_tolerance * stop_semi_diameter_mm_)
                 return true;
         }
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const std::size_t steps = tracer_.steps();
         for (std::size_t s = 0; s < steps; ++s) {
             if (NearRim(node, v[2] * steps + s) &&
                 miss(node.rims, steps, s) > spec_.mask_tolerance) {
@@ -373,7 +177,7 @@ class Builder {
         // linearly.
         for (std::size_t s = 0; s < steps; ++s) {
             const auto c2 = [&](std::size_t k) {
-                return static_cast<double>(node.passage[v[k] * PassageCount() + s]);
+                return static_cast<double>(node.passage[v[k] * tracer_.passage_count() + s]);
             };
             if (std::abs(c2(2)) < kNearCritical &&
                 std::abs(c2(1) - 2.0 * c2(2) + c2(3)) > spec_.cosine_tolerance * 8.0) {
@@ -399,7 +203,7 @@ class Builder {
     // A rim is kept if it cuts a used cell: some corner passes, or nearly does, another is beyond
     // the rim.
     void ChooseRims(const std::vector<RawGrid>& raw) {
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const std::size_t steps = tracer_.steps();
         std::vector<bool> active(steps, false);
         for (const RawGrid& r : raw) {
             for (int j = 0; j + 1 < r.grid.nv; ++j) {
@@ -416,7 +220,7 @@ class Builder {
         }
         for (std::size_t s = 0; s < steps; ++s) {
             // The stop is the iris's affair.
-            if (active[s] && lists_.front().steps[s].kind != InteractionKind::kStop) {
+            if (active[s] && tracer_.lists().front().steps[s].kind != InteractionKind::kStop) {
                 mesh_.rims.push_back(static_cast<int>(s));
             }
         }
@@ -433,9 +237,9 @@ class Builder {
 
     MeshGrid Pack(RawGrid&& raw) const {
         MeshGrid grid = std::move(raw.grid);
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const std::size_t steps = tracer_.steps();
         const auto fields = static_cast<std::size_t>(mesh_.stored_count());
-        const auto stop_values = 2 * static_cast<std::size_t>(mesh_.stop_crossings);
+        const std::size_t stop_values = 2 * tracer_.crossings();
         const std::size_t vertices = raw.state.size();
         grid.alive.resize(vertices);
         for (std::size_t v = 0; v < vertices; ++v)
@@ -443,7 +247,7 @@ class Builder {
         for (std::size_t k = 0; k < raw.nodes.size(); ++k) {
             RawNode& from = raw.nodes[k];
             MeshNode node;
-            node.wavelength_nm = lists_[k].wavelength_nm;
+            node.wavelength_nm = tracer_.lists()[k].wavelength_nm;
             node.fields.resize(vertices * fields);
             for (std::size_t v = 0; v < vertices; ++v) {
                 float* out = &node.fields[v * fields];
@@ -464,11 +268,9 @@ class Builder {
     }
 
     const MeshSpec& spec_;
-    LightBundle bundle_;
-    std::vector<InteractionList> lists_;
+    GridTracer tracer_;
     double stop_semi_diameter_mm_ = 0.0;
     double sensor_gap_mm_;
-    RayRecord record_;
     GhostMesh mesh_;
 };
 
