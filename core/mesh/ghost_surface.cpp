@@ -124,8 +124,8 @@ double GhostSurface::Value(const MeshNode& node, std::size_t vertex, std::size_t
     const auto stored = static_cast<std::size_t>(mesh_->stored_count());
     const float* const at = &node.fields[vertex * stored];
     if (f >= 2) return static_cast<double>(at[f]);
-    const auto slope = static_cast<std::size_t>(mesh_->field_count()) + f;
-    return static_cast<double>(at[f]) + sensor_gap_mm_ * static_cast<double>(at[slope]);
+    const Vec2d place = mesh_->SensorPlace(at, sensor_gap_mm_);
+    return f == 0 ? place.x : place.y;
 }
 
 CellUse GhostSurface::UseOf(const CellPlace& cell) const {

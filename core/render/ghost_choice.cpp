@@ -52,9 +52,15 @@ class AxialWeights {
     std::vector<Reflection> at_;
 };
 
-// Half the width of the axial beam from infinity that gets through, by first-order heights.
-double EntranceHeight(const InteractionList& list, Section section, double opening_mm) {
-    double height = std::numeric_limits<double>::infinity();
+// The axial beam from infinity along a path in one section, by first-order heights.
+struct AxialPath {
+    double half_width_mm = 0.0;  // of the part that all rims and the stop let through, at the front
+    double magnification = 0.0;  // height on the sensor over that at the front
+};
+
+AxialPath AxialPathOf(const InteractionList& list, Section section, double opening_mm) {
+    AxialPath path;
+    path.half_width_mm = std::numeric_limits<double>::infinity();
     double z = 0.0;
     Abcd so_far;
     for (const Interaction& step : list.steps) {
@@ -63,22 +69,24 @@ double EntranceHeight(const InteractionList& list, Section section, double openi
         const double rim = step.kind == InteractionKind::kStop
                                ? std::min(opening_mm, step.semi_diameter_mm)
                                : step.semi_diameter_mm;
-        if (std::abs(so_far.a) * height > rim) height = rim / std::abs(so_far.a);
+        if (std::abs(so_far.a) * path.half_width_mm > rim) {
+            path.half_width_mm = rim / std::abs(so_far.a);
+        }
         so_far = Then(so_far, StepMatrix(step, section));
     }
-    return height;
+    path.magnification = Then(so_far, Drift(list.sensor_z_mm - z)).a;
+    return path;
 }
 
 GhostEstimate FirstOrderEstimate(const InteractionList& list, double weight, double opening_mm) {
-    const double x = EntranceHeight(list, Section::kX, opening_mm);
-    const double y = EntranceHeight(list, Section::kY, opening_mm);
-    const double magnification = std::abs(ParaxialPathOf(list, Section::kX).front_to_sensor.a *
-                                          ParaxialPathOf(list, Section::kY).front_to_sensor.a);
-    const double area = kPi * x * y;
+    const AxialPath x = AxialPathOf(list, Section::kX, opening_mm);
+    const AxialPath y = AxialPathOf(list, Section::kY, opening_mm);
+    const double area = kPi * x.half_width_mm * y.half_width_mm;
+    const double spread = std::abs(x.magnification * y.magnification);
     GhostEstimate estimate;
     estimate.flux_mm2 = weight * area;
     estimate.peak_irradiance =
-        estimate.flux_mm2 / std::max(area * magnification, kPeakPixel_mm * kPeakPixel_mm);
+        estimate.flux_mm2 / std::max(area * spread, kPeakPixel_mm * kPeakPixel_mm);
     return estimate;
 }
 
@@ -112,11 +120,7 @@ Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& mod
     context.threads.For(static_cast<int>(likely.size()), [&](int item) {
         if (context.cancel.cancelled()) return;
         const auto n = static_cast<std::size_t>(item);
-        MeshSpec spec;
-        spec.sequence = likely[n];
-        spec.field_rad = light.field_rad;
-        spec.azimuth_rad = light.pose.azimuth_rad;
-        spec.inverse_distance = light.inverse_distance;
+        MeshSpec spec = MeshSpecOf(likely[n], light);
         spec.wavelengths_nm = {kLineD};
         spec.cells = kCells;
         spec.patch_cells = kPatchCells;

@@ -27,6 +27,7 @@
 namespace flare {
 
 inline constexpr double kCausticGain = 300.0;
+
 struct GhostChoice {
     std::vector<BounceSequence> sequences;  // of four reflections, in lexical order
     FourReflectionFacts facts;

@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/image/net_shape.h"
+#include "core/render/ghost_light.h"
 #include "core/spectrum/wavelength_plan.h"
 
 namespace flare {
@@ -27,11 +29,7 @@ class Estimator {
           path_(tables.PathOf(lens, mesh_.sequence)),
           iris_(iris),
           pose_(pose) {
-        std::vector<double> traced;
-        for (const MeshNode& node : mesh_.grids.front().nodes) {
-            traced.push_back(node.wavelength_nm);
-        }
-        weights_ = NodeWeights(traced, tables.wavelengths_nm().front());
+        weights_ = NodeWeights(TracedWavelengths(mesh_), tables.wavelengths_nm().front());
     }
 
     GhostEstimate Run() {
@@ -148,12 +146,8 @@ class Estimator {
 
     double Value(std::size_t field, double a, double b) const {
         const BezierNet& net = nets_.nets[field];
-        const auto bernstein = [](double t) {
-            const double u = 1.0 - t;
-            return std::array<double, 4>{u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t};
-        };
-        const std::array<double, 4> ba = bernstein(a);
-        const std::array<double, 4> bb = bernstein(b);
+        const std::array<double, 4> ba = Bernstein(a);
+        const std::array<double, 4> bb = Bernstein(b);
         double value = 0.0;
         for (std::size_t row = 0; row < 4; ++row) {
             for (std::size_t column = 0; column < 4; ++column) {

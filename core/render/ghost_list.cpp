@@ -140,10 +140,7 @@ Result<GhostList> RankGhosts(const std::shared_ptr<const Lens>& lens,
         entry.sequence = sequences[static_cast<std::size_t>(i)];
         entry.x = SectionOf(*lens, entry.sequence, Section::kX);
         entry.y = SectionOf(*lens, entry.sequence, Section::kY);
-        MeshSpec spec;
-        spec.sequence = entry.sequence;
-        spec.field_rad = light.field_rad;
-        spec.azimuth_rad = light.pose.azimuth_rad;
+        MeshSpec spec = MeshSpecOf(entry.sequence, light);
         spec.wavelengths_nm = {options.wavelength_nm};
         spec.cells = kCells;
         spec.patch_cells = kPatchCells;

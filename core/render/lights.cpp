@@ -94,6 +94,15 @@ LightBundle BundleOf(const Lens& lens, const PlacedLight& light) {
     return {lens, light.field_rad, light.inverse_distance, light.pose.azimuth_rad};
 }
 
+MeshSpec MeshSpecOf(const BounceSequence& sequence, const PlacedLight& light) {
+    MeshSpec spec;
+    spec.sequence = sequence;
+    spec.field_rad = light.field_rad;
+    spec.azimuth_rad = light.pose.azimuth_rad;
+    spec.inverse_distance = light.inverse_distance;
+    return spec;
+}
+
 Projection ProjectionOf(const FlareRequest& request) {
     if (request.image.projection != Projection::kAuto) return request.image.projection;
     const Prescription& prescription = request.lens->prescription();

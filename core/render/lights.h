@@ -6,6 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/image/ghost_walk.h"
+#include "core/mesh/mesh_builder.h"
 #include "core/render/flare_request.h"
 #include "core/tracing/light_bundle.h"
 
@@ -37,5 +38,8 @@ PictureMap MapOf(const FlareRequest& request, const CanonicalPose& pose);
 
 // The rays of a placed light.
 LightBundle BundleOf(const Lens& lens, const PlacedLight& light);
+
+// The mesh of a ghost lit by a placed light; wavelengths and fineness are left to the caller.
+MeshSpec MeshSpecOf(const BounceSequence& sequence, const PlacedLight& light);
 
 }  // namespace flare

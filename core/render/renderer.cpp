@@ -210,11 +210,7 @@ class Job {
     // One ghost of one light, ready to draw. Writes only its own slots.
     GhostLight Prepare(const PlacedLight& light, std::size_t index, Work& work) {
         if (context_.cancel.cancelled()) return {};
-        MeshSpec spec;
-        spec.sequence = report_.facts.ghosts[index].sequence;
-        spec.field_rad = light.field_rad;
-        spec.azimuth_rad = light.pose.azimuth_rad;
-        spec.inverse_distance = light.inverse_distance;
+        MeshSpec spec = MeshSpecOf(report_.facts.ghosts[index].sequence, light);
         spec.wavelengths_nm = TracedNodes();
         spec.cells = settings_.mesh_cells;
         spec.patch_cells = settings_.patch_cells;
