@@ -124,13 +124,17 @@ void TraceInColumns(const InteractionList& list, const RayColumns& rays, const C
         output.slope_x = out.slope_x.data() + first;
         output.slope_y = out.slope_y.data() + first;
         output.path_mm = out.path_mm.data() + first;
-        output.rim_ratio2 = out.rim_ratio2.data() + first;
-        output.rare_cos2 = needs.passage ? out.rare_cos2.data() + first : nullptr;
-        output.stop_x = out.stop_x.data() + first;
-        output.stop_y = out.stop_y.data() + first;
-        output.hit_x = needs.hits ? out.hit_x.data() + first : nullptr;
-        output.hit_y = needs.hits ? out.hit_y.data() + first : nullptr;
-        output.segment_mm = out.segment_mm.data() + first;
+        // Columns that nobody asked for, or of a path without such a step, are empty.
+        const auto from_first = [first](std::vector<float>& column) {
+            return column.empty() ? nullptr : column.data() + first;
+        };
+        output.rim_ratio2 = from_first(out.rim_ratio2);
+        output.rare_cos2 = from_first(out.rare_cos2);
+        output.stop_x = from_first(out.stop_x);
+        output.stop_y = from_first(out.stop_y);
+        output.hit_x = from_first(out.hit_x);
+        output.hit_y = from_first(out.hit_y);
+        output.segment_mm = from_first(out.segment_mm);
         HWY_DYNAMIC_DISPATCH(TraceBlock)(steps.data(), steps.size(), block, output);
     }
 }
