@@ -8,19 +8,19 @@
 #include "core/base/units.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/mesh/transmission.h"
+#include "core/render/ghost_peak.h"
 #include "core/tracing/paraxial_ghost.h"
 
 namespace flare {
 
 namespace {
 
-// The coarse mesh: good to a fraction of a millimetre, which a peak over a pixel feels only where
-// the ghost is focused; there the cap by flux over a pixel's area holds.
+// The coarse mesh.
 constexpr int kCells = 16;
 constexpr int kPatchCells = 4;
-constexpr double kPositionTolerance_mm = 0.3;
+constexpr double kPositionTolerance_mm = 0.05;
 constexpr double kMaskTolerance = 0.05;
-constexpr double kCosineTolerance = 1e-2;
+constexpr double kCosineTolerance = 1e-3;
 
 // Axial reflectances and transmittances of every surface at the d line.
 class AxialWeights {
@@ -131,8 +131,14 @@ Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& mod
             MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context.cancel);
         if (!found) return;
         if (!found->hit) rays[n] = found->mesh->rays_traced;
-        const GhostSurface surface(found->mesh, lens.sensor_gap_mm());
-        estimates[n] = EstimateOf(surface, bundle, lens, tables, iris, light.pose);
+        const auto surface =
+            std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm());
+        GhostEstimate& estimate = estimates[n];
+        estimate = EstimateOf(*surface, bundle, lens, tables, iris, light.pose);
+        const double most = std::min(kMeshGain * estimate.peak_irradiance,
+                                     estimate.flux_mm2 / (kPeakPixel_mm * kPeakPixel_mm));
+        if (most < model.four_reflection_threshold) return;
+        estimate.peak_irradiance = PeakOfPieces(surface, bundle, lens, tables, iris, light.pose);
     });
     if (context.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
     for (std::size_t n = 0; n < likely.size(); ++n) {

@@ -5,14 +5,12 @@
 // sequences that together hold a few percent of the light of two, but some are focused and outshine
 // most of the others: so they are chosen by peak, never by count, and what is left out is added up.
 //
-// Two steps. First-order optics and the path's axial weight give a peak E = w / |A_x A_y|;
-// sequences are dropped where it is kCausticGain times below the threshold. The others get a coarse
-// mesh of real rays at the light's own angle, from which peak and flux are estimated.
-//
-// Known to miss: on the seed lens, bare, on axis, 38 of the 58 sequences whose drawn peak reaches
-// 1e-3 (brightest 0.0106), and 11 of 45 at 5 degrees. A caustic raises the first-order peak by up
-// to 2044 there, and coarse cells read it up to 64 times too low. What is missed counts as lost
-// light.
+// Three steps, each dearer than the one before. First-order optics and the path's axial weight give
+// a peak E = w / |A_x A_y|; as a caustic raises the real one up to 2000 times, sequences are
+// dropped only where it is kCausticGain times below the threshold. The others get a coarse mesh of
+// real rays at the light's own angle, whose cells show the peak to a factor of kMeshGain; and what
+// may still reach the threshold is cut into pieces (ghost_peak.h), which decides. Measured in
+// docs/physics/ghost-mesh.md.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +24,8 @@
 
 namespace flare {
 
-inline constexpr double kCausticGain = 300.0;
+inline constexpr double kCausticGain = 1e4;
+inline constexpr double kMeshGain = 300.0;
 
 struct GhostChoice {
     std::vector<BounceSequence> sequences;  // of four reflections, in lexical order

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A cell's light is the mean of its corners'. Of a cell whose corners all pass the masks all of it
-// passes, of one whose corners all fail one mask nothing; any other is looked at on a lattice of
-// its smooth surface.
+// A cell's light is the mean of its corners', unless these differ by much, as near total
+// reflection: then it is the mean over a lattice of points. Of a cell whose corners all pass the
+// masks all of it passes, of one whose corners all fail one mask nothing; any other is looked at on
+// a lattice of its smooth surface.
 #include "core/render/ghost_estimate.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ namespace flare {
 
 namespace {
 
-constexpr int kLattice = 6;  // points along a side of a cell that a mask cuts
+constexpr int kLattice = 6;      // points along a side of a cell that is looked at closely
+constexpr double kUneven = 2.0;  // between the light of a cell's corners
 
 class Estimator {
   public:
@@ -52,13 +54,17 @@ class Estimator {
         const std::array<std::size_t, 4> corner = {
             grid.Vertex(cell.i, cell.j), grid.Vertex(cell.i + 1, cell.j),
             grid.Vertex(cell.i + 1, cell.j + 1), grid.Vertex(cell.i, cell.j + 1)};
-        double light = 0.0;
+        std::array<double, 4> light{};
         std::array<Vec2d, 4> place;
         for (std::size_t k = 0; k < 4; ++k) {
-            light += 0.25 * LightAt(cell.grid, corner[k]);
+            light[k] = LightAt(cell.grid, corner[k]);
             place[k] = {Field(grid, corner[k], 0), Field(grid, corner[k], 1)};
         }
-        const double flux = light * grid.du * grid.dv;
+        const auto [least, most] = std::minmax_element(light.begin(), light.end());
+        const double mean = *most > kUneven * *least
+                                ? SampledLight(cell)
+                                : 0.25 * (light[0] + light[1] + light[2] + light[3]);
+        const double flux = mean * grid.du * grid.dv;
         estimate_.flux_mm2 += share * flux;
         estimate_.centroid_mm +=
             (place[0] + place[1] + place[2] + place[3]) * (0.25 * share * flux);
@@ -162,19 +168,45 @@ class Estimator {
         double& kept = light_[static_cast<std::size_t>(g)][vertex];
         if (kept >= 0.0) return kept;
         const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(g)];
-        const auto count = static_cast<std::size_t>(mesh_.passage_count());
-        passage_.assign(count, 0.0);
-        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
-            const float* const at = &grid.nodes[k].passage[vertex * count];
-            for (std::size_t s = 0; s < count; ++s) {
-                passage_[s] += weights_[k] * static_cast<double>(at[s]);
+        passage_.assign(static_cast<std::size_t>(mesh_.passage_count()), 0.0);
+        AddPassage(grid, vertex, 1.0);
+        const auto nu = static_cast<std::size_t>(grid.nu);
+        kept = Light(grid, static_cast<double>(vertex % nu), static_cast<double>(vertex / nu));
+        return kept;
+    }
+
+    // Its mean over a cell.
+    double SampledLight(const CellPlace& cell) {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(cell.grid)];
+        double sum = 0.0;
+        for (int j = 0; j < kLattice; ++j) {
+            for (int i = 0; i < kLattice; ++i) {
+                const double a = (i + 0.5) / kLattice;
+                const double b = (j + 0.5) / kLattice;
+                passage_.assign(static_cast<std::size_t>(mesh_.passage_count()), 0.0);
+                AddPassage(grid, grid.Vertex(cell.i, cell.j), (1.0 - a) * (1.0 - b));
+                AddPassage(grid, grid.Vertex(cell.i + 1, cell.j), a * (1.0 - b));
+                AddPassage(grid, grid.Vertex(cell.i, cell.j + 1), (1.0 - a) * b);
+                AddPassage(grid, grid.Vertex(cell.i + 1, cell.j + 1), a * b);
+                sum += Light(grid, cell.i + a, cell.j + b);
             }
         }
-        const auto nu = static_cast<std::size_t>(grid.nu);
-        const double u = grid.u0 + static_cast<double>(vertex % nu) * grid.du;
-        const double v = grid.v0 + static_cast<double>(vertex / nu) * grid.dv;
-        kept = std::max(0.0, path_.Weight(0, passage_)) * bundle_.FluxDensity(u, v);
-        return kept;
+        return sum / (kLattice * kLattice);
+    }
+
+    void AddPassage(const MeshGrid& grid, std::size_t vertex, double share) {
+        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
+            const float* const at = &grid.nodes[k].passage[vertex * passage_.size()];
+            for (std::size_t s = 0; s < passage_.size(); ++s) {
+                passage_[s] += share * weights_[k] * static_cast<double>(at[s]);
+            }
+        }
+    }
+
+    // Of the passage gathered, at a place in steps of the grid.
+    double Light(const MeshGrid& grid, double i, double j) const {
+        return std::max(0.0, path_.Weight(0, passage_)) *
+               bundle_.FluxDensity(grid.u0 + i * grid.du, grid.v0 + j * grid.dv);
     }
 
     const GhostSurface& surface_;

@@ -3,8 +3,6 @@
 // The light of one ghost straight from its mesh, without drawing it: good to about one percent
 // of the flux (tests/physics/ghost_estimate_test.cpp), at a hundredth of the cost of
 // ghost_flux.h, which is exact. For reports and for choosing what to draw.
-// Near total reflection, where the light of a cell's corners differs by much, a single ghost of
-// four reflections has been seen three times too bright.
 #pragma once
 
 #include "core/image/ghost_walk.h"
