@@ -168,18 +168,13 @@ bool FromRare(const Interaction& step) {
     return step.n_in < step.n_out || (step.n_in == step.n_out && step.forward);
 }
 
-// A bare interface from the squared cosine in the rarer medium; the same from both sides.
-double BareReflectance(double n_in, double n_out, double rare_cos2) {
+// From the squared cosine in the rarer medium, above 0.
+double BareReflectanceAt(double n_in, double n_out, double rare_cos2) {
     const double rare = std::min(n_in, n_out);
     const double dense = std::max(n_in, n_out);
-    // Normal components of the wave vectors; the step between the squared indices is taken first.
     const double q_rare = rare * std::sqrt(std::min(rare_cos2, 1.0));
     const double q_dense = std::sqrt((dense - rare) * (dense + rare) + q_rare * q_rare);
-    const double s = (q_rare - q_dense) / (q_rare + q_dense);
-    const double a = dense * dense * q_rare;
-    const double b = rare * rare * q_dense;
-    const double p = (a - b) / (a + b);
-    return 0.5 * (s * s + p * p);
+    return BareReflectance(rare, dense, q_rare, q_dense);
 }
 
 }  // namespace
@@ -188,7 +183,7 @@ double TransmissionTables::StepFactor(const Interaction& step, int band, double 
     if (static_cast<std::size_t>(step.surface) == faces_.size()) return sensor_reflectance_;
     if (rare_cos2 > 0.0 && faces_[static_cast<std::size_t>(step.surface)].coating.bare()) {
         if (step.n_in == step.n_out) return step.kind == InteractionKind::kReflect ? 0.0 : 1.0;
-        const double reflectance = BareReflectance(step.n_in, step.n_out, rare_cos2);
+        const double reflectance = BareReflectanceAt(step.n_in, step.n_out, rare_cos2);
         return step.kind == InteractionKind::kReflect ? reflectance : 1.0 - reflectance;
     }
     const bool from_rare = FromRare(step);

@@ -82,28 +82,33 @@ void CarryReal(double n2, double k_d, double tangential_squared, Fields& fields)
     fields.p = carried(sine_over_q * (q2 / n2), sine_over_q * n2, fields.p);
 }
 
-// A bare interface, with the difference of the indices taken first: no cancellation however close
-// they are.
 Reflection BareReflection(double n_in, double n_out, double cos_in) {
     const double q_in = n_in * cos_in;
-    const double step = (n_out - n_in) * (n_out + n_in);  // n_out^2 - n_in^2
-    const double q_out_squared = step + q_in * q_in;
+    const double q_out_squared = (n_out - n_in) * (n_out + n_in) + q_in * q_in;
     if (q_out_squared <= 0.0 || q_in <= 0.0) return {1.0, 0.0};
     const double q_out = std::sqrt(q_out_squared);
     const double sum = q_in + q_out;
-    const double r_s = -step / (sum * sum);
     const double a = n_in * n_in * q_out;
     const double b = n_out * n_out * q_in;
-    // a - b over a + b; with a^2 - b^2 = step (n_in^4 - q_in^2 (n_in^2 + n_out^2)).
-    const double in2 = n_in * n_in;
-    const double r_p =
-        step * (in2 * in2 - q_in * q_in * (in2 + n_out * n_out)) / ((a + b) * (a + b));
     const double t_s = 4.0 * q_in * q_out / (sum * sum);
     const double t_p = 4.0 * a * b / ((a + b) * (a + b));
-    return {0.5 * (r_s * r_s + r_p * r_p), 0.5 * (t_s + t_p)};
+    return {BareReflectance(n_in, n_out, q_in, q_out), 0.5 * (t_s + t_p)};
 }
 
 }  // namespace
+
+double BareReflectance(double n_in, double n_out, double q_in, double q_out) {
+    const double in2 = n_in * n_in;
+    const double out2 = n_out * n_out;
+    const double step = (n_out - n_in) * (n_out + n_in);  // n_out^2 - n_in^2 = q_out^2 - q_in^2
+    const double sum = q_in + q_out;
+    const double r_s = step / (sum * sum);
+    const double a = in2 * q_out;
+    const double b = out2 * q_in;
+    // a - b over a + b; with a^2 - b^2 = step (n_in^4 - q_in^2 (n_in^2 + n_out^2)).
+    const double r_p = step * (in2 * in2 - q_in * q_in * (in2 + out2)) / ((a + b) * (a + b));
+    return 0.5 * (r_s * r_s + r_p * r_p);
+}
 
 void Coating::AddTo(Fingerprinter& fingerprinter) const {
     fingerprinter.Add(static_cast<std::int64_t>(layers.size()));

@@ -42,6 +42,11 @@ struct Reflection {
     double transmittance = 0.0;
 };
 
+// The reflectance of an interface without a coating, from the normal components q = n cos of the
+// light on both sides (Fresnel). The difference of the indices is taken first: no cancellation
+// however close they are. The same from both sides; q_in + q_out > 0.
+double BareReflectance(double n_in, double n_out, double q_in, double q_out);
+
 // Light that meets the interface from medium n_in (real index) at the angle with cosine `cos_in`
 // (0..1) and goes on into n_out. `reversed` is true if the light travels against the order of
 // `layers`, i.e. comes from the high-index side. At total reflection the transmittance is 0.
