@@ -50,8 +50,9 @@ struct GhostLight {
     // angle), row by row along v, `channels` numbers a point.
     struct Cell {
         CellPlace place;
-        double y0 = 0.0, y1 = 0.0;  // rows of the picture it may touch
+        double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;  // what of the picture it may touch
         bool open = false;          // no mask cuts it at any drawn wavelength
+        bool ring = false;          // around the cells that are drawn: for interpolation only
         int light_cuts = 1;
         std::size_t light_at = 0;
     };

@@ -32,8 +32,16 @@ class Iris {
     // rim cuts it); `rim_semi_diameter_mm` that of the stop.
     Iris(const IrisShape& shape, double opening_semi_diameter_mm, double rim_semi_diameter_mm);
 
+    struct Edge {
+        Vec2d normal{0.0, 0.0};  // outward, for straight edges
+        double offset = 0.0;     // distance of the straight edge from the centre
+        Vec2d centre{0.0, 0.0};  // of the arc
+        double radius = 0.0;     // 0: straight
+    };
+
     // Signed distance to edge k in mm: negative inside. The opening is where all are negative.
     int edge_count() const { return static_cast<int>(edges_.size()); }
+    const Edge& edge(int k) const { return edges_[static_cast<std::size_t>(k)]; }
     double EdgeDistance(int k, Vec2d p) const;
 
     // Largest edge distance: negative inside the opening.
@@ -46,12 +54,6 @@ class Iris {
     double area_mm2() const;
 
   private:
-    struct Edge {
-        Vec2d normal{0.0, 0.0};  // outward, for straight edges
-        double offset = 0.0;     // distance of the straight edge from the centre
-        Vec2d centre{0.0, 0.0};  // of the arc
-        double radius = 0.0;     // 0: straight
-    };
     std::vector<Edge> edges_;
     double outer_radius_ = 0.0, inner_radius_ = 0.0;
     double area_mm2_ = 0.0;  // before the rim cuts it

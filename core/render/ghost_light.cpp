@@ -202,9 +202,63 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
             b = {true, b.open, b.y0 - dy, b.y1 + dy, b.x0 - dx, b.x1 + dx};
         }
         if (b.x1 < window.x0 || b.x0 > window.x1 || b.y1 < window.y0 || b.y0 > window.y1) continue;
-        cells.push_back({place, b.y0, b.y1, b.open, 1, 0});
+        GhostLight::Cell& cell = cells.emplace_back();
+        cell.place = place;
+        cell.x0 = b.x0;
+        cell.x1 = b.x1;
+        cell.y0 = b.y0;
+        cell.y1 = b.y1;
+        cell.open = b.open;
     }
     return cells;
+}
+
+void AddRing(const GhostSurface& surface, std::vector<GhostLight::Cell>& cells) {
+    const GhostMesh& mesh = surface.mesh();
+    std::vector<std::vector<std::uint8_t>> known;
+    for (const MeshGrid& grid : mesh.grids) known.emplace_back(grid.cells.size(), std::uint8_t{0});
+    for (const GhostLight::Cell& cell : cells) {
+        const auto g = static_cast<std::size_t>(cell.place.grid);
+        known[g][mesh.grids[g].Cell(cell.place.i, cell.place.j)] = 1;
+    }
+    const auto add = [&](int g, int i, int j) {
+        const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(g)];
+        if (i < 0 || j < 0 || i + 1 >= grid.nu || j + 1 >= grid.nv) return;
+        std::uint8_t& seen = known[static_cast<std::size_t>(g)][grid.Cell(i, j)];
+        const CellUse use = grid.cells[grid.Cell(i, j)];
+        if (seen != 0 || (use != CellUse::kUsed && use != CellUse::kOutside)) return;
+        seen = 1;
+        for (int corner = 0; corner < 4; ++corner) {
+            if (grid.alive[grid.Vertex(i + corner % 2, j + corner / 2)] == 0) return;
+        }
+        GhostLight::Cell& cell = cells.emplace_back();
+        cell.place = {g, i, j};
+        cell.ring = true;
+    };
+    const auto around = [&](int g, int i, int j) {
+        for (int dj = -1; dj <= 1; ++dj) {
+            for (int di = -1; di <= 1; ++di) add(g, i + di, j + dj);
+        }
+    };
+    const std::size_t drawn = cells.size();
+    std::vector<bool> whole(mesh.grids.size(), false);
+    for (std::size_t n = 0; n < drawn; ++n) {
+        const CellPlace place = cells[n].place;
+        if (place.grid == 0) {
+            around(0, place.i, place.j);
+            continue;
+        }
+        // A patch stands in one cell of the grid: all of it, and what is around that cell.
+        if (whole[static_cast<std::size_t>(place.grid)]) continue;
+        whole[static_cast<std::size_t>(place.grid)] = true;
+        const MeshGrid& patch = mesh.grids[static_cast<std::size_t>(place.grid)];
+        for (int j = 0; j + 1 < patch.nv; ++j) {
+            for (int i = 0; i + 1 < patch.nu; ++i) add(place.grid, i, j);
+        }
+        const MeshGrid& grid = mesh.grids.front();
+        around(0, static_cast<int>(std::lround((patch.u0 - grid.u0) / grid.du)),
+               static_cast<int>(std::lround((patch.v0 - grid.v0) / grid.dv)));
+    }
 }
 
 double DispersionPx(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
@@ -260,7 +314,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     // Over the whole ghost, not what the window shows: a crop is drawn as the frame is.
     for (std::size_t k = 0; k < surface->cells().size(); k += 3) light.Weigh(surface->cells()[k]);
     for (GhostLight::Cell& cell : ghost.cells) {
-        cell.light_cuts = light.CutsOf(cell.place, colour.light_tolerance);
+        cell.light_cuts = cell.ring ? 1 : light.CutsOf(cell.place, colour.light_tolerance);
         cell.light_at = points * channels;
         points += static_cast<std::size_t>(cell.light_cuts + 1) *
                   static_cast<std::size_t>(cell.light_cuts + 1);

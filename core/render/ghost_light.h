@@ -34,6 +34,10 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
                                             const Iris& iris, const PictureMap& map,
                                             const WalkWindow& window);
 
+// Adds the cells next to those, for the tiles: the light and the masks of an edge are interpolated
+// from both of its sides.
+void AddRing(const GhostSurface& surface, std::vector<GhostLight::Cell>& cells);
+
 // How far apart the ends of the drawn range of wavelengths land, at most, in pixels, over `cells`.
 // Asked of the full frame's cells whatever window is drawn, or a crop would be drawn at other
 // wavelengths.

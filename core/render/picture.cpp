@@ -82,7 +82,8 @@ Picture::Drawn Picture::DrawStrip(int row, int rows, const std::vector<GhostLigh
         RasterSink sink(ghost, target);
         GhostWalk walk(ghost, iris, map, tolerance);
         for (const GhostLight::Cell& cell : ghost.cells) {
-            if (cell.y1 >= window.y0 && cell.y0 <= window.y1) walk.Cell(cell, window, sink);
+            if (!cell.ring && cell.y1 >= window.y0 && cell.y0 <= window.y1)
+                walk.Cell(cell, window, sink);
         }
         drawn.pieces += walk.pieces();
         drawn.fragments += sink.fragments();

@@ -3,6 +3,9 @@
 // What a quality preset means: how densely a ghost is traced, coloured and cut up.
 #pragma once
 
+#include <optional>
+
+#include "core/image/ghost_tiles.h"
 #include "core/image/ghost_walk.h"
 #include "core/render/flare_request.h"
 
@@ -19,6 +22,7 @@ struct QualitySettings {
     int most_drawn = 24;
     double light_tolerance = 2e-4;  // of transmittance interpolated within a cell
     WalkTolerance walk;
+    std::optional<TileTolerance> tiles;  // of colour pictures; absent: polygons alone
 };
 
 QualitySettings SettingsOf(QualityPreset preset);

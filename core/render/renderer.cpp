@@ -18,6 +18,7 @@
 #include "core/render/lights.h"
 #include "core/render/picture.h"
 #include "core/render/quality.h"
+#include "core/render/tile_picture.h"
 #include "core/tracing/chief_ray.h"
 
 namespace flare {
@@ -65,7 +66,9 @@ class Job {
           flux_wavelength_nm_(spectral_ ? request.wavelengths_nm.front() : kLineD),
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),
           picture_(DataWindow(request.image),
-                   spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {}
+                   spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {
+        if (settings_.tiles && !spectral_) tile_picture_.emplace(picture_.window());
+    }
 
     Result<Rendering> Run() {
         SetFacts();
@@ -157,7 +160,7 @@ class Job {
         const int count = static_cast<int>(ghosts_of_light.size());
         for (int first = 0; first < count; first += kGhostsPerBatch) {
             const int batch = std::min(kGhostsPerBatch, count - first);
-            std::vector<GhostLight> ghosts(static_cast<std::size_t>(batch));
+            std::vector<TiledGhost> ghosts(static_cast<std::size_t>(batch));
             std::vector<Work> work(static_cast<std::size_t>(batch));
             const double t0 = context_.now_ms();
             context_.threads.For(batch, [&](int i) {
@@ -168,11 +171,7 @@ class Job {
             for (const Work& w : work) AddWork(w);
             const double t1 = context_.now_ms();
             if (!context_.cancel.cancelled()) {
-                const Picture::Drawn drawn =
-                    picture_.Draw(ghosts, iris_, MapOf(request_, light.pose), settings_.walk,
-                                  context_.threads, context_.cancel);
-                report_.work.polygons += drawn.pieces;
-                report_.work.fragments += drawn.fragments;
+                Draw(ghosts, MapOf(request_, light.pose));
             }
             report_.work.mesh_ms += t1 - t0;
             report_.work.raster_ms += context_.now_ms() - t1;
@@ -180,6 +179,22 @@ class Job {
                 return Error{"cancelled", "the work was cancelled", ""};
         }
         return std::nullopt;
+    }
+
+    void Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map) {
+        const auto count = [&](const auto& drawn) {
+            report_.work.polygons += drawn.pieces;
+            report_.work.fragments += drawn.fragments;
+        };
+        if (tile_picture_) {
+            count(tile_picture_->Draw(ghosts, iris_, map, settings_.walk, context_.threads,
+                                      context_.cancel));
+        } else {
+            std::vector<GhostLight> lights;
+            for (TiledGhost& ghost : ghosts) lights.push_back(std::move(ghost.light));
+            count(picture_.Draw(lights, iris_, map, settings_.walk, context_.threads,
+                                context_.cancel));
+        }
     }
 
     // The ghosts of four reflections that this light makes bright enough, by their places in the
@@ -208,7 +223,7 @@ class Job {
     }
 
     // One ghost of one light, ready to draw. Writes only its own slots.
-    GhostLight Prepare(const PlacedLight& light, std::size_t index, Work& work) {
+    TiledGhost Prepare(const PlacedLight& light, std::size_t index, Work& work) {
         if (context_.cancel.cancelled()) return {};
         MeshSpec spec = MeshSpecOf(report_.facts.ghosts[index].sequence, light);
         spec.wavelengths_nm = TracedNodes();
@@ -251,7 +266,13 @@ class Job {
                 whole ? cells : CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(frame)),
                 map);
         }
-        return PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
+        if (tile_picture_) AddRing(*surface, cells);
+        TiledGhost ghost;
+        ghost.light = PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
+        if (tile_picture_) {
+            ghost.tiles = TilesOf(ghost.light, iris_, map, picture_.window(), *settings_.tiles);
+        }
+        return ghost;
     }
 
     std::vector<double> SpectralBounds() const {
@@ -282,6 +303,7 @@ class Job {
         double scale = 1.0 / (pitch.x * pitch.y);
         if (request_.units == Units::kSceneLinear) scale *= report_.facts.scene_linear_factor;
 
+        if (tile_picture_) tile_picture_->Finish(context_.threads);
         const int planes = picture_.channel_count();
         image.planes.resize(static_cast<std::size_t>(planes) * 2);
         context_.threads.For(planes, [&](int p) {
@@ -290,7 +312,8 @@ class Job {
             const std::string name = spectral_ ? SpectralName(request_.wavelengths_nm[n]) : kRgb[p];
             ImagePlane& root = image.planes[n];
             root.name = name;
-            root.values = picture_.Channel(p, scale);
+            root.values =
+                tile_picture_ ? tile_picture_->Channel(p, scale) : picture_.Channel(p, scale);
             image.planes[n + static_cast<std::size_t>(planes)] = {"ghosts." + name, root.values};
         });
         report_.work.resolve_ms = context_.now_ms() - t0;
@@ -310,6 +333,7 @@ class Job {
     double flux_wavelength_nm_;
     TransmissionTables flux_tables_;
     Picture picture_;
+    std::optional<TilePicture> tile_picture_;  // stands in for picture_ where there is one
     Report report_;
     bool reported_ = true;  // the light at hand stands in the report
 };

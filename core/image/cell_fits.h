@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The cells of a ghost as polynomials in pixels, ready for SolveNodes.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/image/ghost_walk.h"
+#include "core/image/tile_kernels.h"
+
+namespace flare {
+
+struct PixelBox {
+    float x0 = 1e30F, y0 = 1e30F, x1 = -1e30F, y1 = -1e30F;
+
+    bool empty() const { return !(x0 <= x1 && y0 <= y1); }
+    void Join(const PixelBox& other);
+};
+
+// A mask field of a ghost: a coordinate at a stop crossing, or a rim.
+struct MaskFields {
+    std::vector<int> crossings;  // of the stop: two fields each, in camera coordinates
+    std::vector<int> rims;       // one field each, after all crossings
+    int count() const {
+        return 2 * static_cast<int>(crossings.size()) + static_cast<int>(rims.size());
+    }
+};
+
+struct FittedCell {
+    int cell = 0;  // index in GhostLight::cells
+    bool ring = false;
+    std::array<CellFit, kTracedInTiles> fits;
+    std::array<PixelBox, kTracedInTiles> boxes;
+    std::array<int, kTracedInTiles> parts{1, 1, 1};  // along each side, for Newton to start from
+    std::array<bool, kTracedInTiles> folds{};
+};
+
+// The masks that cut the ghost anywhere.
+MaskFields MasksOf(const GhostLight& ghost, const Iris& iris);
+
+std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map,
+                                 const MaskFields& masks);
+
+// Value and slopes of a polynomial.
+struct PolynomialJet {
+    float value = 0.0F, per_a = 0.0F, per_b = 0.0F;
+};
+PolynomialJet JetOf(const CellPolynomial& p, float a, float b);
+
+}  // namespace flare

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A ghost as tiles of the picture, so that its cost follows edges and folds, not area. Where the
+// ghost is smooth, the light at the four corners of a tile tells all of it; where only a mask cuts
+// it, the mask's edge is shaded pixel by pixel; where it folds, ends or bends more than the
+// tolerance, the tile is left to exact polygons (GhostWalk).
+//
+// The light at a corner comes from the pupil points that land there, found by Newton's method in
+// every cell at each traced wavelength; the light of the drawn bands leans on those. Tiles have 16,
+// 8 or 4 pixels a side, as coarse as the tolerance allows, at multiples of their size from the
+// frame's corner: a crop is cut into the same tiles as the frame.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/image/flare_image.h"
+#include "core/image/ghost_walk.h"
+#include "core/image/tile_kernels.h"
+
+namespace flare {
+
+inline constexpr int kTileLevels = 3;
+constexpr int TileSize(int level) {
+    return kLargestTile >> level;
+}
+
+struct TileTolerance {
+    double light = 0.04;    // relative, between a tile's bilinear light and the ghost's
+    double edge_px = 0.15;  // of a mask's edge
+};
+
+// Red, green and blue at the corners (0, 0), (1, 0), (0, 1), (1, 1), light a pixel.
+using TileCorners = std::array<std::array<float, 3>, 4>;
+
+struct SmoothTile {
+    std::int16_t level = 0;
+    int x = 0, y = 0;  // in tiles of that level
+    TileCorners corners{};
+};
+
+struct EdgeTile {
+    std::int16_t level = 0;
+    int x = 0, y = 0;
+    int straight = 0, arcs = 0;
+    bool dispersed = false;
+    TileCorners corners{};  // dispersed: a factor on the bands' light
+    std::size_t straight_at = 0, arcs_at = 0, bands_at = 0;  // in the lists of GhostTiles
+};
+
+struct GhostTiles {
+    std::vector<SmoothTile> smooth;
+    std::vector<EdgeTile> edges;
+    std::vector<StraightEdge> straight_edges;
+    std::vector<ArcEdge> arc_edges;
+    std::vector<float> band_rgb;        // [band][channel] of each dispersed tile
+    std::vector<float> band_sharpness;  // [band] of each
+    std::vector<float> band_weights;    // [band][traced wavelength]
+
+    // Tiles of the finest level that are left to polygons, over a box of such tiles.
+    int left_x = 0, left_y = 0, left_width = 0, left_height = 0;
+    std::vector<std::uint8_t> left;
+    bool any_left = false;
+
+    bool Left(int x, int y) const {
+        const int i = x - left_x;
+        const int j = y - left_y;
+        if (i < 0 || j < 0 || i >= left_width || j >= left_height) return false;
+        return left[static_cast<std::size_t>(j) * static_cast<std::size_t>(left_width) +
+                    static_cast<std::size_t>(i)] != 0;
+    }
+};
+
+// Can a ghost be cut into tiles? Of three channels, traced at three wavelengths.
+bool CanBeTiled(const GhostLight& ghost);
+
+// `window` is the part of the picture that is wanted.
+GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
+                   const PixelWindow& window, const TileTolerance& tolerance);
+
+}  // namespace flare

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The inner loops of the tile rasteriser, compiled for each instruction set and chosen at run time:
+// finding the pupil points that land on given places of the picture, and shading tiles. Single
+// precision; results depend on the instruction set in the last bits (ArithmeticClass).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace flare {
+
+inline constexpr int kTileNodes = 64;     // places solved in one call, a multiple of any vector
+inline constexpr int kTileFields = 12;    // most mask fields of a ghost
+inline constexpr int kLargestTile = 16;   // pixels along a side
+inline constexpr int kTracedInTiles = 3;  // wavelengths
+
+// A polynomial over a cell, 0 <= a, b <= 1: coefficient [4 * power of b + power of a].
+using CellPolynomial = std::array<float, 16>;
+
+// One cell of a ghost at one traced wavelength: where it lands, in pixels, and its masks.
+struct CellFit {
+    CellPolynomial x{}, y{};
+    std::array<CellPolynomial, kTileFields> fields{};
+    int field_count = 0;
+};
+
+// The part of a cell in which solutions are sought: a0 <= a < a1, b0 <= b < b1.
+struct CellPart {
+    float a0 = 0.0F, a1 = 1.0F, b0 = 0.0F, b1 = 1.0F;
+};
+
+struct NodeBlock {
+    alignas(64) float px[kTileNodes], py[kTileNodes];  // in
+    int count = 0;                                     // in; the rest is padding
+    // Out: the point, the Jacobian d(x, y) / d(a, b), and the masks there.
+    alignas(64) float a[kTileNodes], b[kTileNodes], det[kTileNodes];
+    alignas(64) float fields[kTileFields][kTileNodes];
+    std::uint64_t found = 0;   // bit n: the point lies in the part
+    std::uint64_t failed = 0;  // bit n: no convergence, and it may lie in the part
+};
+
+// By Newton's method from the part's middle.
+void SolveNodes(const CellFit& cell, const CellPart& part, NodeBlock& block);
+
+// A mask's edge within a tile, in pixels across the edge: negative inside. Corner values are those
+// at (0, 0), (1, 0), (0, 1), (1, 1).
+struct StraightEdge {
+    float corners[4];
+};
+struct ArcEdge {
+    float x[4], y[4];                          // from the arc's centre, mm
+    float radius2;                             // mm^2
+    float per_x_x, per_x_y, per_y_x, per_y_y;  // d(x, y) for a pixel to the right, and down
+};
+
+struct EdgeShade {
+    int size = 0;                // pixels along the tile's side
+    int straight = 0, arcs = 0;  // of each traced wavelength, one wavelength after another
+    const StraightEdge* straight_edges = nullptr;
+    const ArcEdge* arc_edges = nullptr;
+    float light[3][4];  // at the corners
+    // With dispersion: each band's share and how it leans on the traced wavelengths.
+    int bands = 0;                          // 0: without
+    const float* band_rgb = nullptr;        // [band][3]
+    const float* band_weights = nullptr;    // [band][kTracedInTiles]
+    const float* band_sharpness = nullptr;  // [band]: 1 over the width of its edge, px
+    // `light` is then a factor on band_rgb.
+};
+
+// Light per pixel of an edge tile, rows of kLargestTile.
+struct TilePixels {
+    alignas(64) float rgb[3][kLargestTile * kLargestTile];
+};
+void ShadeEdge(const EdgeShade& tile, TilePixels& out);
+
+// Adds to one row of the three planes what `tiles` tiles of 16, 8 or 4 pixels hold: `corners` is
+// [tile][corner][channel], the row is the `row`th of the tiles.
+void ExpandTiles(const float* corners, int tiles, int size, int row, float* const* planes);
+
+}  // namespace flare

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/tile_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/image/raster_sink.h"
+
+namespace flare {
+namespace {
+
+constexpr int kStripRows = 64;  // a multiple of the largest tile
+constexpr int kFinest = TileSize(kTileLevels - 1);
+
+int FloorDiv(int value, int by) {
+    return value >= 0 ? value / by : -((-value + by - 1) / by);
+}
+
+// Passes on only the pieces that touch tiles left to polygons.
+class LeftSink final : public PieceSink {
+  public:
+    LeftSink(const GhostTiles& tiles, RasterSink& to) : tiles_(tiles), to_(to) {}
+
+    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
+        Vec2d lo(1e300), hi(-1e300);
+        for (const Vec2d& p : points) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        const auto tile = [](double value, int first, int count) {
+            const double t = std::floor(value / kFinest);
+            return static_cast<int>(std::clamp(t, first - 1.0, static_cast<double>(first + count)));
+        };
+        const int x0 = tile(lo.x, tiles_.left_x, tiles_.left_width);
+        const int x1 = tile(hi.x, tiles_.left_x, tiles_.left_width);
+        const int y0 = tile(lo.y, tiles_.left_y, tiles_.left_height);
+        const int y1 = tile(hi.y, tiles_.left_y, tiles_.left_height);
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) {
+                if (!tiles_.Left(x, y)) continue;
+                to_.Add(points, light, band);
+                return;
+            }
+        }
+    }
+    void EndOfPiece() override { to_.EndOfPiece(); }
+
+  private:
+    const GhostTiles& tiles_;
+    RasterSink& to_;
+};
+
+}  // namespace
+
+struct TilePicture::Strip {
+    int y0 = 0, y1 = 0;            // rows of the padded window
+    std::vector<double> polygons;  // rows x padded width x kColourStride, 0 between ghosts
+};
+
+TilePicture::TilePicture(const PixelWindow& window) : window_(window) {
+    const int x0 = FloorDiv(window.x, kLargestTile) * kLargestTile;
+    const int y0 = FloorDiv(window.y, kLargestTile) * kLargestTile;
+    const int x1 = -FloorDiv(-(window.x + window.width), kLargestTile) * kLargestTile;
+    const int y1 = -FloorDiv(-(window.y + window.height), kLargestTile) * kLargestTile;
+    padded_ = {x0, y0, x1 - x0, y1 - y0};
+    for (int l = 0; l < kTileLevels; ++l) {
+        Plane& plane = planes_[static_cast<std::size_t>(l)];
+        const int size = TileSize(l);
+        plane.x0 = x0 / size;
+        plane.y0 = y0 / size;
+        plane.width = padded_.width / size;
+        plane.corners.assign(static_cast<std::size_t>(plane.width) *
+                                 static_cast<std::size_t>(padded_.height / size) * 12,
+                             0.0F);
+    }
+    for (std::vector<float>& plane : pixels_) plane.assign(padded_.pixels(), 0.0F);
+}
+
+TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris,
+                                     const PictureMap& map, const WalkTolerance& tolerance,
+                                     ThreadPool& threads, const CancelToken& cancel) {
+    const int strips = (padded_.height + kStripRows - 1) / kStripRows;
+    std::vector<Drawn> drawn(static_cast<std::size_t>(strips));
+    threads.For(strips, [&](int s) {
+        Strip strip;
+        strip.y0 = padded_.y + s * kStripRows;
+        strip.y1 = std::min(strip.y0 + kStripRows, padded_.y + padded_.height);
+        for (const TiledGhost& ghost : ghosts) {
+            if (cancel.cancelled()) return;
+            Drawn& sum = drawn[static_cast<std::size_t>(s)];
+            DrawSmooth(ghost.tiles, strip, sum);
+            DrawEdges(ghost.tiles, strip, sum);
+            if (ghost.tiles.any_left) DrawLeft(ghost, iris, map, tolerance, strip, sum);
+        }
+    });
+    Drawn sum;
+    for (const Drawn& d : drawn) {
+        sum.pieces += d.pieces;
+        sum.fragments += d.fragments;
+    }
+    return sum;
+}
+
+void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn) {
+    for (const SmoothTile& tile : tiles.smooth) {
+        const int y = tile.y * TileSize(tile.level);
+        if (y < strip.y0 || y >= strip.y1) continue;
+        Plane& plane = planes_[static_cast<std::size_t>(tile.level)];
+        float* const at = &plane.corners[(static_cast<std::size_t>(tile.y - plane.y0) *
+                                              static_cast<std::size_t>(plane.width) +
+                                          static_cast<std::size_t>(tile.x - plane.x0)) *
+                                         12];
+        for (std::size_t n = 0; n < 4; ++n) {
+            for (std::size_t c = 0; c < 3; ++c) at[3 * n + c] += tile.corners[n][c];
+        }
+        ++drawn.pieces;
+    }
+}
+
+void TilePicture::DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& drawn) {
+    TilePixels pixels;
+    for (const EdgeTile& tile : tiles.edges) {
+        const int size = TileSize(tile.level);
+        const int y = tile.y * size;
+        if (y < strip.y0 || y >= strip.y1) continue;
+        EdgeShade shade;
+        shade.size = size;
+        shade.straight = tile.straight;
+        shade.arcs = tile.arcs;
+        shade.straight_edges = tiles.straight_edges.data() + tile.straight_at;
+        shade.arc_edges = tiles.arc_edges.data() + tile.arcs_at;
+        for (std::size_t n = 0; n < 4; ++n) {
+            for (std::size_t c = 0; c < 3; ++c) shade.light[c][n] = tile.corners[n][c];
+        }
+        if (tile.dispersed) {
+            shade.bands = static_cast<int>(tiles.band_weights.size() / kTracedInTiles);
+            shade.band_rgb = tiles.band_rgb.data() + 3 * tile.bands_at;
+            shade.band_sharpness = tiles.band_sharpness.data() + tile.bands_at;
+            shade.band_weights = tiles.band_weights.data();
+        }
+        ShadeEdge(shade, pixels);
+        const auto x = static_cast<std::size_t>(tile.x * size - padded_.x);
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (int row = 0; row < size; ++row) {
+                float* const to = Row(c, y + row) + x;
+                const float* const from = pixels.rgb[c] + row * kLargestTile;
+                for (int i = 0; i < size; ++i) to[i] += from[i];
+            }
+        }
+        ++drawn.pieces;
+        drawn.fragments += static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
+    }
+}
+
+void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
+                           const WalkTolerance& tolerance, Strip& strip, Drawn& drawn) {
+    const GhostTiles& tiles = ghost.tiles;
+    PixelWindow box{0, 0, 0, 0};  // of the tiles left to polygons in this strip
+    int lo_x = std::numeric_limits<int>::max();
+    int hi_x = std::numeric_limits<int>::min();
+    int lo_y = lo_x;
+    int hi_y = hi_x;
+    const int first = std::max(tiles.left_y, strip.y0 / kFinest);
+    const int end = std::min(tiles.left_y + tiles.left_height, strip.y1 / kFinest);
+    for (int y = first; y < end; ++y) {
+        for (int x = tiles.left_x; x < tiles.left_x + tiles.left_width; ++x) {
+            if (!tiles.Left(x, y)) continue;
+            lo_x = std::min(lo_x, x);
+            hi_x = std::max(hi_x, x);
+            lo_y = std::min(lo_y, y);
+            hi_y = y;
+        }
+    }
+    if (hi_y < lo_y) return;
+    box = {lo_x * kFinest, lo_y * kFinest, (hi_x - lo_x + 1) * kFinest,
+           (hi_y - lo_y + 1) * kFinest};
+    strip.polygons.assign(box.pixels() * kColourStride, 0.0);
+    RasterTarget target;
+    target.x0 = box.x;
+    target.y0 = box.y;
+    target.width = box.width;
+    target.rows = box.height;
+    target.layers = {strip.polygons.data()};
+    const WalkWindow window{static_cast<double>(box.x), static_cast<double>(box.y),
+                            static_cast<double>(box.x + box.width),
+                            static_cast<double>(box.y + box.height)};
+    RasterSink raster(ghost.light, target);
+    LeftSink sink(tiles, raster);
+    GhostWalk walk(ghost.light, iris, map, tolerance);
+    for (const GhostLight::Cell& cell : ghost.light.cells) {
+        if (cell.ring || cell.y1 < window.y0 || cell.y0 > window.y1 || cell.x1 < window.x0 ||
+            cell.x0 > window.x1) {
+            continue;
+        }
+        walk.Cell(cell, window, sink);
+    }
+    for (int y = lo_y; y <= hi_y; ++y) {
+        for (int x = lo_x; x <= hi_x; ++x) {
+            if (!tiles.Left(x, y)) continue;
+            for (int row = y * kFinest; row < (y + 1) * kFinest; ++row) {
+                const double* from =
+                    &strip.polygons[(static_cast<std::size_t>(row - box.y) *
+                                         static_cast<std::size_t>(box.width) +
+                                     static_cast<std::size_t>(x * kFinest - box.x)) *
+                                    kColourStride];
+                for (int i = 0; i < kFinest; ++i, from += kColourStride) {
+                    const auto column = static_cast<std::size_t>(x * kFinest + i - padded_.x);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        Row(c, row)[column] += static_cast<float>(from[c]);
+                }
+            }
+        }
+    }
+    drawn.pieces += walk.pieces();
+    drawn.fragments += raster.fragments();
+}
+
+void TilePicture::Finish(ThreadPool& threads) {
+    const int strips = (padded_.height + kStripRows - 1) / kStripRows;
+    threads.For(strips, [&](int s) {
+        const int y0 = padded_.y + s * kStripRows;
+        const int y1 = std::min(y0 + kStripRows, padded_.y + padded_.height);
+        for (int y = y0; y < y1; ++y) {
+            float* const rows[3] = {Row(0, y), Row(1, y), Row(2, y)};
+            for (int l = 0; l < kTileLevels; ++l) {
+                const Plane& plane = planes_[static_cast<std::size_t>(l)];
+                const int size = TileSize(l);
+                const int tile = FloorDiv(y, size);
+                ExpandTiles(&plane.corners[static_cast<std::size_t>(tile - plane.y0) *
+                                           static_cast<std::size_t>(plane.width) * 12],
+                            plane.width, size, y - tile * size, rows);
+            }
+        }
+    });
+}
+
+std::vector<float> TilePicture::Channel(int index, double scale) const {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    const std::vector<float>& plane = pixels_[static_cast<std::size_t>(index)];
+    std::vector<float> values(window_.pixels());
+    const auto factor = static_cast<float>(scale);
+    for (int y = 0; y < window_.height; ++y) {
+        const float* const from = plane.data() +
+                                  static_cast<std::size_t>(y + window_.y - padded_.y) *
+                                      static_cast<std::size_t>(padded_.width) +
+                                  static_cast<std::size_t>(window_.x - padded_.x);
+        float* const to =
+            values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
+        for (int x = 0; x < window_.width; ++x) to[x] = std::clamp(from[x] * factor, -kMost, kMost);
+    }
+    return values;
+}
+
+}  // namespace flare

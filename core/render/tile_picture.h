@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The fast picture: colour only, in single precision. Smooth tiles are added up corner by corner
+// and opened out to pixels once, whatever the number of ghosts; tiles on an edge are shaded pixel
+// by pixel; what tiles cannot hold is drawn by exact polygons, as Picture does for everything. A
+// strip of rows is one thread's own and takes ghost after ghost, so the sums do not depend on
+// threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/cancel.h"
+#include "core/base/parallel.h"
+#include "core/image/ghost_tiles.h"
+
+namespace flare {
+
+// A ghost and its tiles.
+struct TiledGhost {
+    GhostLight light;
+    GhostTiles tiles;
+};
+
+class TilePicture {
+  public:
+    explicit TilePicture(const PixelWindow& window);
+
+    struct Drawn {
+        std::uint64_t pieces = 0;     // polygons and tiles
+        std::uint64_t fragments = 0;  // pixels they touched
+    };
+    // Adds the ghosts in the order given. Stops early when cancelled.
+    Drawn Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris, const PictureMap& map,
+               const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
+
+    const PixelWindow& window() const { return window_; }
+
+    // Opens the smooth tiles out; once, after all ghosts.
+    void Finish(ThreadPool& threads);
+    // Red, green or blue times `scale`, clamped to finite floats; after Finish.
+    std::vector<float> Channel(int index, double scale) const;
+
+  private:
+    struct Strip;
+    struct Plane {
+        int x0 = 0, y0 = 0, width = 0;  // in tiles
+        std::vector<float> corners;     // [tile][corner][channel]
+    };
+
+    void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
+    void DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
+    void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
+                  const WalkTolerance& tolerance, Strip& strip, Drawn& drawn);
+    float* Row(std::size_t channel, int y) {
+        return pixels_[channel].data() +
+               static_cast<std::size_t>(y - padded_.y) * static_cast<std::size_t>(padded_.width);
+    }
+
+    PixelWindow window_;
+    PixelWindow padded_;  // to whole tiles
+    std::array<Plane, kTileLevels> planes_;
+    std::array<std::vector<float>, 3> pixels_;  // of padded_
+};
+
+}  // namespace flare
