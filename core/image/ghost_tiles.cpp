@@ -32,46 +32,66 @@ int FloorTo(float value, int size) {
     return static_cast<int>(std::floor(value / static_cast<float>(size)));
 }
 
-// What is known of the nodes and tiles of one level. A node stands at its tile's first corner.
+// What is known of the nodes and tiles of one level: maps over the ghost's box say which are wanted
+// and where their records are. A node stands at its tile's first corner.
 struct Level {
     int size = 0;
     TileBox box;
-    int nodes_x = 0;
-    std::vector<std::uint8_t> want_tile, want_node;
-    std::vector<std::uint8_t> bad, live;  // tiles: to be refined; cells that are drawn touch it
-    // Tiles: light of the cells' own points, and what the corners make of it there.
+    std::vector<std::int32_t> tile_at, node_at;  // of the records, -1: not wanted
+    std::vector<std::array<int, 2>> tiles, nodes;
+
+    // Records of tiles.
+    std::vector<std::uint8_t> bad, live;  // to be refined; cells that are drawn touch it
+    // Light of the cells' own points, and what the corners make of it there, of each sheet.
     std::array<std::vector<float>, kSheets> truth, flat;
+
+    // Records of nodes.
     struct Sheet {
         std::array<std::vector<std::uint8_t>, kTraced> found;  // solutions
         std::vector<float> rgb;          // [node][channel], over all wavelengths
-        std::vector<float> middle;       // [node] light of all bands by the middle wavelength's map
+        std::vector<float> middle;       // light of all bands by the middle wavelength's map
         std::vector<float> fields;       // [node][traced][field]
         std::vector<std::int32_t> cell;  // of the middle wavelength
         std::vector<std::array<float, 2>> at;
     };
     std::array<Sheet, kSheets> sheets;
 
-    void Start(int tile_size, const TileBox& tiles, int fields) {
+    void Start(int tile_size, const TileBox& tile_box) {
         size = tile_size;
-        box = tiles;
-        nodes_x = tiles.width() + 1;
-        const std::size_t nodes =
-            static_cast<std::size_t>(nodes_x) * static_cast<std::size_t>(tiles.height() + 1);
-        want_tile.assign(tiles.count(), 0);
-        bad.assign(tiles.count(), 0);
-        live.assign(tiles.count(), 0);
-        for (std::size_t s = 0; s < kSheets; ++s) {
-            truth[s].assign(tiles.count(), 0.0F);
-            flat[s].assign(tiles.count(), 0.0F);
+        box = tile_box;
+        tile_at.assign(box.count(), -1);
+        node_at.assign(
+            static_cast<std::size_t>(box.width() + 1) * static_cast<std::size_t>(box.height() + 1),
+            -1);
+        tiles.clear();
+        nodes.clear();
+    }
+    void Want(int x, int y) {
+        tile_at[Tile(x, y)] = static_cast<std::int32_t>(tiles.size());
+        tiles.push_back({x, y});
+        for (int corner = 0; corner < 4; ++corner) {
+            const int nx = x + corner % 2;
+            const int ny = y + corner / 2;
+            std::int32_t& at = node_at[Node(nx, ny)];
+            if (at >= 0) continue;
+            at = static_cast<std::int32_t>(nodes.size());
+            nodes.push_back({nx, ny});
         }
-        want_node.assign(nodes, 0);
-        for (Sheet& sheet : sheets) {
-            for (auto& found : sheet.found) found.assign(nodes, 0);
-            sheet.rgb.assign(nodes * 3, 0.0F);
-            sheet.middle.assign(nodes, 0.0F);
-            sheet.fields.assign(nodes * kTraced * static_cast<std::size_t>(fields), 0.0F);
-            sheet.cell.assign(nodes, -1);
-            sheet.at.assign(nodes, {0.0F, 0.0F});
+    }
+    // After all that is wanted is known.
+    void MakeRecords(int fields) {
+        bad.assign(tiles.size(), 0);
+        live.assign(tiles.size(), 0);
+        for (std::size_t s = 0; s < kSheets; ++s) {
+            truth[s].assign(tiles.size(), 0.0F);
+            flat[s].assign(tiles.size(), 0.0F);
+            Sheet& sheet = sheets[s];
+            for (auto& found : sheet.found) found.assign(nodes.size(), 0);
+            sheet.rgb.assign(nodes.size() * 3, 0.0F);
+            sheet.middle.resize(nodes.size());
+            sheet.fields.resize(nodes.size() * kTraced * static_cast<std::size_t>(fields));
+            sheet.cell.resize(nodes.size());
+            sheet.at.resize(nodes.size());
         }
     }
     std::size_t Tile(int x, int y) const {
@@ -79,13 +99,15 @@ struct Level {
                static_cast<std::size_t>(x - box.x0);
     }
     std::size_t Node(int x, int y) const {
-        return static_cast<std::size_t>(y - box.y0) * static_cast<std::size_t>(nodes_x) +
+        return static_cast<std::size_t>(y - box.y0) * static_cast<std::size_t>(box.width() + 1) +
                static_cast<std::size_t>(x - box.x0);
     }
+    // Records of a wanted tile's corners.
     std::array<std::size_t, 4> Corners(int x, int y) const {
-        const std::size_t n = Node(x, y);
-        const auto row = static_cast<std::size_t>(nodes_x);
-        return {n, n + 1, n + row, n + row + 1};
+        const std::int32_t* const at = &node_at[Node(x, y)];
+        const std::int32_t* const below = at + box.width() + 1;
+        return {static_cast<std::size_t>(at[0]), static_cast<std::size_t>(at[1]),
+                static_cast<std::size_t>(below[0]), static_cast<std::size_t>(below[1])};
     }
     // The tiles that a box of pixels touches.
     TileBox Touched(const PixelBox& b) const {
@@ -96,7 +118,10 @@ struct Level {
     void Mark(std::vector<std::uint8_t>& what, const PixelBox& b) const {
         const TileBox t = Touched(b);
         for (int y = t.y0; y < t.y1; ++y) {
-            for (int x = t.x0; x < t.x1; ++x) what[Tile(x, y)] = 1;
+            for (int x = t.x0; x < t.x1; ++x) {
+                const std::int32_t tile = tile_at[Tile(x, y)];
+                if (tile >= 0) what[static_cast<std::size_t>(tile)] = 1;
+            }
         }
     }
 };
@@ -131,8 +156,10 @@ class Tiler {
             for (const double w : band.node_weights)
                 out_.band_weights.push_back(static_cast<float>(w));
         }
-        level_.Start(TileSize(0), all, masks_.count());
-        std::fill(level_.want_tile.begin(), level_.want_tile.end(), std::uint8_t{1});
+        level_.Start(TileSize(0), all);
+        for (int y = all.y0; y < all.y1; ++y) {
+            for (int x = all.x0; x < all.x1; ++x) level_.Want(x, y);
+        }
         for (int l = 0; l < kTileLevels; ++l) {
             RunLevel(l);
             if (l + 1 < kTileLevels && !Descend(l)) break;
@@ -218,12 +245,7 @@ class Tiler {
     }
 
     void RunLevel(int l) {
-        for (int y = level_.box.y0; y < level_.box.y1; ++y) {
-            for (int x = level_.box.x0; x < level_.box.x1; ++x) {
-                if (level_.want_tile[level_.Tile(x, y)] == 0) continue;
-                for (const std::size_t n : level_.Corners(x, y)) level_.want_node[n] = 1;
-            }
-        }
+        level_.MakeRecords(masks_.count());
         for (const FittedCell& cell : cells_) {
             for (std::size_t k = 0; k < kTraced; ++k) SolveCell(cell, k);
         }
@@ -237,18 +259,14 @@ class Tiler {
         for (const FittedCell& cell : cells_) {
             if (!cell.ring) CheckCell(cell);
         }
-        for (int y = level_.box.y0; y < level_.box.y1; ++y) {
-            for (int x = level_.box.x0; x < level_.box.x1; ++x) {
-                if (level_.want_tile[level_.Tile(x, y)] != 0) Classify(l, x, y);
-            }
-        }
+        for (const auto& [x, y] : level_.tiles) Classify(l, x, y);
     }
 
     bool Wanted(const PixelBox& box) const {
         const TileBox t = level_.Touched(box);
         for (int y = t.y0; y < t.y1; ++y) {
             for (int x = t.x0; x < t.x1; ++x) {
-                if (level_.want_tile[level_.Tile(x, y)] != 0) return true;
+                if (level_.tile_at[level_.Tile(x, y)] >= 0) return true;
             }
         }
         return false;
@@ -310,12 +328,12 @@ class Tiler {
         block_.count = 0;
         for (int y = y0; y <= y1; ++y) {
             for (int x = x0; x <= x1; ++x) {
-                const std::size_t node = level_.Node(x, y);
-                if (level_.want_node[node] == 0) continue;
+                const std::int32_t node = level_.node_at[level_.Node(x, y)];
+                if (node < 0) continue;
                 const auto n = static_cast<std::size_t>(block_.count++);
                 block_.px[n] = static_cast<float>(x * size);
                 block_.py[n] = static_cast<float>(y * size);
-                nodes_[n] = node;
+                nodes_[n] = static_cast<std::size_t>(node);
                 if (block_.count == kTileNodes) SolveBlock(cell, k, part);
             }
         }
@@ -369,8 +387,10 @@ class Tiler {
         const int ty = FloorTo(y.value, level_.size);
         const TileBox& box = level_.box;
         if (tx < box.x0 || ty < box.y0 || tx >= box.x1 || ty >= box.y1) return;
-        const std::size_t tile = level_.Tile(tx, ty);
-        if (level_.want_tile[tile] == 0 || level_.bad[tile] != 0) return;
+        const std::int32_t wanted = level_.tile_at[level_.Tile(tx, ty)];
+        if (wanted < 0) return;
+        const auto tile = static_cast<std::size_t>(wanted);
+        if (level_.bad[tile] != 0) return;
         const float det = x.per_a * y.per_b - x.per_b * y.per_a;
         const Level::Sheet& sheet = level_.sheets[det < 0.0F ? 1 : 0];
         const std::array<std::size_t, 4> corners = level_.Corners(tx, ty);
@@ -443,7 +463,7 @@ class Tiler {
     }
 
     void Classify(int l, int x, int y) {
-        const std::size_t tile = level_.Tile(x, y);
+        const auto tile = static_cast<std::size_t>(level_.tile_at[level_.Tile(x, y)]);
         const std::array<std::size_t, 4> corners = level_.Corners(x, y);
         bool bad = level_.bad[tile] != 0;
         std::array<bool, kSheets> lit{};
@@ -738,20 +758,20 @@ class Tiler {
 
     // Makes the next level's wanted tiles of this one's bad ones; false if there are none.
     bool Descend(int l) {
-        if (std::find(level_.bad.begin(), level_.bad.end(), std::uint8_t{1}) == level_.bad.end())
-            return false;
-        std::vector<std::uint8_t> want = level_.want_tile;
-        for (std::size_t t = 0; t < want.size(); ++t) want[t] = want[t] & level_.bad[t];
-        const TileBox before = level_.box;
-        level_.Start(TileSize(l + 1), {2 * before.x0, 2 * before.y0, 2 * before.x1, 2 * before.y1},
-                     masks_.count());
-        for (int y = level_.box.y0; y < level_.box.y1; ++y) {
-            for (int x = level_.box.x0; x < level_.box.x1; ++x) {
-                const auto parent = static_cast<std::size_t>((y - level_.box.y0) / 2) *
-                                        static_cast<std::size_t>(before.width()) +
-                                    static_cast<std::size_t>((x - level_.box.x0) / 2);
-                level_.want_tile[level_.Tile(x, y)] = want[parent];
-            }
+        std::vector<std::array<int, 2>> bad;
+        for (std::size_t t = 0; t < level_.tiles.size(); ++t) {
+            if (level_.bad[t] != 0) bad.push_back(level_.tiles[t]);
+        }
+        if (bad.empty()) return false;
+        TileBox box{bad[0][0], bad[0][1], bad[0][0], bad[0][1]};
+        for (const auto& [x, y] : bad) {
+            box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x),
+                   std::max(box.y1, y)};
+        }
+        level_.Start(TileSize(l + 1), {2 * box.x0, 2 * box.y0, 2 * box.x1 + 2, 2 * box.y1 + 2});
+        for (const auto& [x, y] : bad) {
+            for (int child = 0; child < 4; ++child)
+                level_.Want(2 * x + child % 2, 2 * y + child / 2);
         }
         return true;
     }
