@@ -38,8 +38,8 @@ PixelBox BoxOf(const BezierNet& x, const BezierNet& y) {
             static_cast<float>(ry.hi)};
 }
 
-// Into how many parts the cell is cut so that the map is nearly affine over each, and whether the
-// Jacobian changes its sign.
+// Into how many parts the cell is cut so that the map is nearly affine over each, and which signs
+// the Jacobian has.
 void ChooseParts(FittedCell& cell, std::size_t k) {
     constexpr int kSamples = 3;
     constexpr float kEven = 0.4F;
@@ -57,13 +57,16 @@ void ChooseParts(FittedCell& cell, std::size_t k) {
             most = std::max(most, det);
         }
     }
+    cell.on_sheet[0] = cell.on_sheet[0] || most > 0.0F;
+    cell.on_sheet[1] = cell.on_sheet[1] || least < 0.0F;
     if (most < 0.0F) {
         const float swap = -least;
         least = -most;
         most = swap;
     }
-    cell.folds[k] = !(least > 0.02F * most);
-    cell.parts[k] = cell.folds[k] ? 8 : least > kEven * most ? 1 : 2;
+    const bool folds = !(least > 0.02F * most);
+    if (folds) cell.on_sheet = {true, true};
+    cell.parts[k] = folds ? 8 : least > kEven * most ? 1 : 2;
 }
 
 }  // namespace
@@ -132,7 +135,7 @@ std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map,
     CellSurface nets;
     for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
         const GhostLight::Cell& from = ghost.cells[n];
-        if (surface.UseOf(from.place) == CellUse::kTriangle) continue;
+        if (!from.wanted || surface.UseOf(from.place) == CellUse::kTriangle) continue;
         FittedCell& cell = cells.emplace_back();
         cell.cell = static_cast<int>(n);
         cell.ring = from.ring;

@@ -33,7 +33,7 @@ struct FittedCell {
     std::array<CellFit, kTracedInTiles> fits;
     std::array<PixelBox, kTracedInTiles> boxes;
     std::array<int, kTracedInTiles> parts{1, 1, 1};  // along each side, for Newton to start from
-    std::array<bool, kTracedInTiles> folds{};
+    std::array<bool, 2> on_sheet{};  // positive, negative Jacobian: at any wavelength
 };
 
 // The masks that cut the ghost anywhere.

@@ -28,8 +28,11 @@ struct TileBox {
     }
 };
 
+// The tile that holds a place; far away is far away.
 int FloorTo(float value, int size) {
-    return static_cast<int>(std::floor(value / static_cast<float>(size)));
+    constexpr float kFar = 1e6F;
+    const float tile = std::floor(value / static_cast<float>(size));
+    return tile > -kFar ? static_cast<int>(std::min(tile, kFar)) : -static_cast<int>(kFar);
 }
 
 // What is known of the nodes and tiles of one level: maps over the ghost's box say which are wanted
@@ -41,7 +44,8 @@ struct Level {
     std::vector<std::array<int, 2>> tiles, nodes;
 
     // Records of tiles.
-    std::vector<std::uint8_t> bad, live;  // to be refined; cells that are drawn touch it
+    std::vector<std::uint8_t> bad;                        // to be refined
+    std::array<std::vector<std::uint8_t>, kSheets> live;  // cells that are drawn touch it
     // Light of the cells' own points, and what the corners make of it there, of each sheet.
     std::array<std::vector<float>, kSheets> truth, flat;
 
@@ -81,8 +85,8 @@ struct Level {
     // After all that is wanted is known.
     void MakeRecords(int fields) {
         bad.assign(tiles.size(), 0);
-        live.assign(tiles.size(), 0);
         for (std::size_t s = 0; s < kSheets; ++s) {
+            live[s].assign(tiles.size(), 0);
             truth[s].assign(tiles.size(), 0.0F);
             flat[s].assign(tiles.size(), 0.0F);
             Sheet& sheet = sheets[s];
@@ -129,12 +133,13 @@ struct Level {
 class Tiler {
   public:
     Tiler(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
-          const PixelWindow& window, const TileTolerance& tolerance)
+          const PixelWindow& window, const TileTolerance& tolerance, double unit)
         : ghost_(ghost),
           iris_(iris),
           map_(map),
           window_(window),
           tolerance_(tolerance),
+          unit_(unit),
           mesh_(ghost.surface->mesh()) {}
 
     GhostTiles Run() {
@@ -173,8 +178,7 @@ class Tiler {
         PixelBox box;
         for (const GhostLight::Cell& cell : ghost_.cells) {
             if (cell.ring) continue;
-            box.Join({static_cast<float>(cell.x0), static_cast<float>(cell.y0),
-                      static_cast<float>(cell.x1), static_cast<float>(cell.y1)});
+            box.Join(BoxOf(cell));
         }
         if (box.empty()) return {};
         const int size = TileSize(0);
@@ -203,6 +207,11 @@ class Tiler {
     // The light that each traced wavelength stands for, and that of all bands together.
     void LightOfNodes() {
         const std::size_t count = ghost_.bands.front().light.size();
+        double most = 0.0;
+        for (const GhostLight::Band& band : ghost_.bands) {
+            for (const double light : band.light) most = std::max(most, std::abs(light));
+        }
+        if (most > 0.0 && std::isfinite(most)) scale_ = std::exp2(std::floor(std::log2(most)));
         for (auto& light : light_) light.assign(count, 0.0F);
         std::vector<double> sum(count);
         for (std::size_t k = 0; k <= kTraced; ++k) {
@@ -212,7 +221,8 @@ class Tiler {
                 const double* const from = band.light.data();
                 for (std::size_t n = 0; n < count; ++n) sum[n] += w * from[n];
             }
-            for (std::size_t n = 0; n < count; ++n) light_[k][n] = static_cast<float>(sum[n]);
+            for (std::size_t n = 0; n < count; ++n)
+                light_[k][n] = static_cast<float>(sum[n] / scale_);
         }
     }
 
@@ -250,16 +260,26 @@ class Tiler {
             for (std::size_t k = 0; k < kTraced; ++k) SolveCell(cell, k);
         }
         for (const GhostLight::Cell& cell : ghost_.cells) {
+            if (cell.ring || !cell.wanted) continue;
+            if (ghost_.surface->UseOf(cell.place) == CellUse::kTriangle)
+                level_.Mark(level_.bad, BoxOf(cell));
+        }
+        for (const FittedCell& cell : cells_) {
             if (cell.ring) continue;
-            const PixelBox box{static_cast<float>(cell.x0), static_cast<float>(cell.y0),
-                               static_cast<float>(cell.x1), static_cast<float>(cell.y1)};
-            const bool triangle = ghost_.surface->UseOf(cell.place) == CellUse::kTriangle;
-            level_.Mark(triangle ? level_.bad : level_.live, box);
+            const PixelBox box = BoxOf(ghost_.cells[static_cast<std::size_t>(cell.cell)]);
+            for (std::size_t s = 0; s < kSheets; ++s) {
+                if (cell.on_sheet[s]) level_.Mark(level_.live[s], box);
+            }
         }
         for (const FittedCell& cell : cells_) {
             if (!cell.ring) CheckCell(cell);
         }
         for (const auto& [x, y] : level_.tiles) Classify(l, x, y);
+    }
+
+    static PixelBox BoxOf(const GhostLight::Cell& cell) {
+        return {static_cast<float>(cell.x0), static_cast<float>(cell.y0),
+                static_cast<float>(cell.x1), static_cast<float>(cell.y1)};
     }
 
     bool Wanted(const PixelBox& box) const {
@@ -375,12 +395,13 @@ class Tiler {
         for (int j = 0; j < samples; ++j) {
             for (int i = 0; i < samples; ++i) {
                 CheckPoint(cell, fit, (static_cast<float>(i) + 0.5F) * step,
-                           (static_cast<float>(j) + 0.5F) * step);
+                           (static_cast<float>(j) + 0.5F) * step, step * step);
             }
         }
     }
 
-    void CheckPoint(const FittedCell& cell, const CellFit& fit, float a, float b) {
+    // `share`: of the cell that the point stands for.
+    void CheckPoint(const FittedCell& cell, const CellFit& fit, float a, float b, float share) {
         const PolynomialJet x = JetOf(fit.x, a, b);
         const PolynomialJet y = JetOf(fit.y, a, b);
         const int tx = FloorTo(x.value, level_.size);
@@ -440,8 +461,10 @@ class Tiler {
             level_.bad[tile] = 1;
         }
         const std::size_t s = det < 0.0F ? 1 : 0;
-        level_.truth[s][tile] += truth;
-        level_.flat[s][tile] += flat;
+        // By the picture's area that each point stands for.
+        const float area = std::abs(det) * share;
+        level_.truth[s][tile] += area * truth;
+        level_.flat[s][tile] += area * flat;
     }
 
     // Is a tile clear of the iris' edge at the crossing that field f belongs to?
@@ -480,10 +503,8 @@ class Tiler {
             constexpr int kAll = 4 * kTracedInTiles;
             lit[s] = once == kAll;
             if (none != kAll && once != kAll) bad = true;
-        }
-        if (!bad && !lit[0] && !lit[1]) {
-            if (level_.live[tile] == 0) return;
-            bad = true;
+            // Cells that lie between the corners.
+            if (none == kAll && level_.live[s][tile] != 0) bad = true;
         }
         if (bad) {
             level_.bad[tile] = 1;
@@ -620,6 +641,7 @@ class Tiler {
             for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale * sheet.rgb[3 * corners[n] + c];
         }
         if (straight_.empty() && arcs_.empty()) {
+            Rescale(light);
             out_.smooth.push_back({static_cast<std::int16_t>(l), x, y, light});
             return;
         }
@@ -649,7 +671,15 @@ class Tiler {
             for (const auto& arc : arcs_) out_.arc_edges.push_back(arc[k]);
         }
         if (tile.dispersed) AddBands(tile, sheet, corners);
+        Rescale(tile.corners);
         out_.edges.push_back(tile);
+    }
+
+    void Rescale(TileCorners& light) const {
+        const double factor = scale_ / unit_;
+        for (auto& corner : light) {
+            for (float& value : corner) value = static_cast<float>(value * factor);
+        }
     }
 
     // Do the wavelengths' edges lie apart?
@@ -753,7 +783,8 @@ class Tiler {
         const double* const at =
             &ghost_.bands[band]
                  .light[from.light_at + static_cast<std::size_t>(j * (m + 1) + i) * 3];
-        return {static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2])};
+        return {static_cast<float>(at[0] / scale_), static_cast<float>(at[1] / scale_),
+                static_cast<float>(at[2] / scale_)};
     }
 
     // Makes the next level's wanted tiles of this one's bad ones; false if there are none.
@@ -781,6 +812,8 @@ class Tiler {
     const PictureMap& map_;
     const PixelWindow& window_;
     const TileTolerance& tolerance_;
+    double unit_;
+    double scale_ = 1.0;  // of the light that floats stand for here: a power of two
     const GhostMesh& mesh_;
     MaskFields masks_;
     std::vector<FittedCell> cells_;
@@ -801,9 +834,9 @@ bool CanBeTiled(const GhostLight& ghost) {
 }
 
 GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
-                   const PixelWindow& window, const TileTolerance& tolerance) {
+                   const PixelWindow& window, const TileTolerance& tolerance, double unit) {
     if (ghost.cells.empty()) return {};
-    return Tiler(ghost, iris, map, window, tolerance).Run();
+    return Tiler(ghost, iris, map, window, tolerance, unit).Run();
 }
 
 }  // namespace flare

@@ -8,7 +8,7 @@
 // The light at a corner comes from the pupil points that land there, found by Newton's method in
 // every cell at each traced wavelength; the light of the drawn bands leans on those. Tiles have 16,
 // 8 or 4 pixels a side, as coarse as the tolerance allows, at multiples of their size from the
-// frame's corner: a crop is cut into the same tiles as the frame.
+// picture's origin: a crop is cut into the same tiles as the frame.
 #pragma once
 
 #include <array>
@@ -76,8 +76,9 @@ struct GhostTiles {
 // Can a ghost be cut into tiles? Of three channels, traced at three wavelengths.
 bool CanBeTiled(const GhostLight& ghost);
 
-// `window` is the part of the picture that is wanted.
+// `window` is the part of the picture that is wanted, in whole tiles. Light is given in units of
+// `unit`.
 GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
-                   const PixelWindow& window, const TileTolerance& tolerance);
+                   const PixelWindow& window, const TileTolerance& tolerance, double unit);
 
 }  // namespace flare

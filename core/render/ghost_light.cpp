@@ -174,6 +174,28 @@ class CellLight {
     std::vector<double> passage_;
 };
 
+// Where a cell lands, from its corners with ample room.
+void BoxFromCorners(const GhostSurface& surface, const PictureMap& map, GhostLight::Cell& cell) {
+    const MeshGrid& grid = surface.mesh().grids[static_cast<std::size_t>(cell.place.grid)];
+    const auto stored = static_cast<std::size_t>(surface.mesh().stored_count());
+    Vec2d lo(1e300), hi(-1e300);
+    for (const MeshNode& node : grid.nodes) {
+        for (int corner = 0; corner < 4; ++corner) {
+            const std::size_t v = grid.Vertex(cell.place.i + corner % 2, cell.place.j + corner / 2);
+            const Vec2d at =
+                surface.mesh().SensorPlace(&node.fields[v * stored], surface.sensor_gap_mm());
+            const Vec2d p = map.Pixel(at.x, at.y);
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+    }
+    const Vec2d room = (hi - lo) * 0.5 + Vec2d(2.0, 2.0);
+    cell.x0 = lo.x - room.x;
+    cell.x1 = hi.x + room.x;
+    cell.y0 = lo.y - room.y;
+    cell.y1 = hi.y + room.y;
+}
+
 }  // namespace
 
 std::vector<double> TracedWavelengths(const GhostMesh& mesh) {
@@ -181,6 +203,11 @@ std::vector<double> TracedWavelengths(const GhostMesh& mesh) {
     if (mesh.grids.empty()) return wavelengths;
     for (const MeshNode& node : mesh.grids.front().nodes) wavelengths.push_back(node.wavelength_nm);
     return wavelengths;
+}
+
+bool Touches(const GhostLight::Cell& cell, const WalkWindow& window) {
+    return cell.x1 >= window.x0 && cell.x0 <= window.x1 && cell.y1 >= window.y0 &&
+           cell.y0 <= window.y1;
 }
 
 std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
@@ -201,20 +228,25 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
             const double dy = 0.25 * (b.y1 - b.y0) + 2.0;
             b = {true, b.open, b.y0 - dy, b.y1 + dy, b.x0 - dx, b.x1 + dx};
         }
-        if (b.x1 < window.x0 || b.x0 > window.x1 || b.y1 < window.y0 || b.y0 > window.y1) continue;
-        GhostLight::Cell& cell = cells.emplace_back();
+        GhostLight::Cell cell;
         cell.place = place;
         cell.x0 = b.x0;
         cell.x1 = b.x1;
         cell.y0 = b.y0;
         cell.y1 = b.y1;
         cell.open = b.open;
+        if (Touches(cell, window)) cells.push_back(cell);
     }
     return cells;
 }
 
-void AddRing(const GhostSurface& surface, std::vector<GhostLight::Cell>& cells) {
+void AddRing(const GhostSurface& surface, const PictureMap& map, const PixelWindow& window,
+             std::vector<GhostLight::Cell>& cells) {
     const GhostMesh& mesh = surface.mesh();
+    constexpr double kTile = kLargestTile;
+    const WalkWindow tiles{window.x - kTile, window.y - kTile, window.x + window.width + kTile,
+                           window.y + window.height + kTile};
+    for (GhostLight::Cell& cell : cells) cell.wanted = Touches(cell, tiles);
     std::vector<std::vector<std::uint8_t>> known;
     for (const MeshGrid& grid : mesh.grids) known.emplace_back(grid.cells.size(), std::uint8_t{0});
     for (const GhostLight::Cell& cell : cells) {
@@ -234,6 +266,8 @@ void AddRing(const GhostSurface& surface, std::vector<GhostLight::Cell>& cells) 
         GhostLight::Cell& cell = cells.emplace_back();
         cell.place = {g, i, j};
         cell.ring = true;
+        BoxFromCorners(surface, map, cell);
+        cell.wanted = Touches(cell, tiles);
     };
     const auto around = [&](int g, int i, int j) {
         for (int dj = -1; dj <= 1; ++dj) {
@@ -314,6 +348,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     // Over the whole ghost, not what the window shows: a crop is drawn as the frame is.
     for (std::size_t k = 0; k < surface->cells().size(); k += 3) light.Weigh(surface->cells()[k]);
     for (GhostLight::Cell& cell : ghost.cells) {
+        if (!cell.wanted) continue;
         cell.light_cuts = cell.ring ? 1 : light.CutsOf(cell.place, colour.light_tolerance);
         cell.light_at = points * channels;
         points += static_cast<std::size_t>(cell.light_cuts + 1) *
@@ -327,6 +362,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
 
     std::vector<double> passed;
     for (const GhostLight::Cell& cell : ghost.cells) {
+        if (!cell.wanted) continue;
         std::size_t at = cell.light_at;
         for (int j = 0; j <= cell.light_cuts; ++j) {
             for (int i = 0; i <= cell.light_cuts; ++i, at += channels) {

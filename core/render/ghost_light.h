@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/image/flare_image.h"
 #include "core/image/ghost_walk.h"
 #include "core/mesh/transmission.h"
 #include "core/spectrum/wavelength_plan.h"
@@ -27,6 +28,9 @@ struct LightColour {
     int most_drawn = 24;
 };
 
+// Does a cell touch the window?
+bool Touches(const GhostLight::Cell& cell, const WalkWindow& window);
+
 // The cells of a ghost that the iris lets pass and that may touch `window`, over the wavelengths
 // `drawn_nm`.
 std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
@@ -34,9 +38,11 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
                                             const Iris& iris, const PictureMap& map,
                                             const WalkWindow& window);
 
-// Adds the cells next to those, for the tiles: the light and the masks of an edge are interpolated
-// from both of its sides.
-void AddRing(const GhostSurface& surface, std::vector<GhostLight::Cell>& cells);
+// For tiles: adds the cells next to those, as the light and the masks of an edge are interpolated
+// from both of its sides, and notes which may touch the whole tiles around `window`. The cells must
+// be all that the iris lets pass, wherever they land: then a crop is drawn as the frame is.
+void AddRing(const GhostSurface& surface, const PictureMap& map, const PixelWindow& window,
+             std::vector<GhostLight::Cell>& cells);
 
 // How far apart the ends of the drawn range of wavelengths land, at most, in pixels, over `cells`.
 // Asked of the full frame's cells whatever window is drawn, or a crop would be drawn at other

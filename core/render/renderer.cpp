@@ -67,7 +67,14 @@ class Job {
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),
           picture_(DataWindow(request.image),
                    spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {
-        if (settings_.tiles && !spectral_) tile_picture_.emplace(picture_.window());
+        if (!settings_.tiles || spectral_) return;
+        double brightest = 0.0;
+        for (const LightSpec& light : request.lights) {
+            const Vec3d& e = light.irradiance;
+            brightest = std::max({brightest, e.x, e.y, e.z});
+        }
+        tile_picture_.emplace(picture_.window(), request.image.width, request.image.height,
+                              brightest > 0.0 ? brightest : 1.0);
     }
 
     Result<Rendering> Run() {
@@ -187,8 +194,8 @@ class Job {
             report_.work.fragments += drawn.fragments;
         };
         if (tile_picture_) {
-            count(tile_picture_->Draw(ghosts, iris_, map, settings_.walk, context_.threads,
-                                      context_.cancel));
+            count(tile_picture_->Draw(ghosts, iris_, tile_picture_->MapFromMiddle(map),
+                                      settings_.walk, context_.threads, context_.cancel));
         } else {
             std::vector<GhostLight> lights;
             for (TiledGhost& ghost : ghosts) lights.push_back(std::move(ghost.light));
@@ -244,7 +251,7 @@ class Job {
         if (surface->cells().empty()) return {};
 
         const LightBundle bundle = BundleOf(lens_, light);
-        const PictureMap map = MapOf(request_, light.pose);
+        PictureMap map = MapOf(request_, light.pose);
         GhostFacts& facts = report_.facts.ghosts[index];
         if (reported_) {
             facts.flux_mm2 +=
@@ -254,25 +261,48 @@ class Job {
             spectral_ ? SpectralBounds()
                       : std::vector<double>{kDrawnLow_nm, 0.5 * (kDrawnLow_nm + kDrawnHigh_nm),
                                             kDrawnHigh_nm};
+        if (tile_picture_) map = tile_picture_->MapFromMiddle(map);
+        const WalkWindow window = WalkWindowOf(picture_.window());
         std::vector<GhostLight::Cell> cells =
-            CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(picture_.window()));
+            CellsInWindow(*surface, bounded, iris_, map, tile_picture_ ? WalkWindow{} : window);
         work.cells += cells.size();
         LightColour colour = ColourOf(light);
         if (!spectral_ && !cells.empty()) {
-            const PixelWindow frame{0, 0, request_.image.width, request_.image.height};
-            const bool whole = picture_.window() == frame;
-            colour.dispersion_px = DispersionPx(
-                *surface,
-                whole ? cells : CellsInWindow(*surface, bounded, iris_, map, WalkWindowOf(frame)),
-                map);
+            colour.dispersion_px =
+                DispersionPx(*surface, InFrame(*surface, bounded, map, cells), map);
         }
-        if (tile_picture_) AddRing(*surface, cells);
+        if (tile_picture_) {
+            AddRing(*surface, map, tile_picture_->padded(), cells);
+            const bool any = std::any_of(cells.begin(), cells.end(), [](const auto& cell) {
+                return cell.wanted && !cell.ring;
+            });
+            if (!any) return {};
+        }
         TiledGhost ghost;
         ghost.light = PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
         if (tile_picture_) {
-            ghost.tiles = TilesOf(ghost.light, iris_, map, picture_.window(), *settings_.tiles);
+            ghost.tiles = TilesOf(ghost.light, iris_, map, tile_picture_->padded(),
+                                  *settings_.tiles, tile_picture_->unit());
         }
         return ghost;
+    }
+
+    // The cells of the whole frame, whatever window `cells` are those of.
+    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface,
+                                          const std::vector<double>& bounded, const PictureMap& map,
+                                          const std::vector<GhostLight::Cell>& cells) const {
+        const PixelWindow frame{0, 0, request_.image.width, request_.image.height};
+        if (!tile_picture_) {
+            return picture_.window() == frame
+                       ? cells
+                       : CellsInWindow(surface, bounded, iris_, map, WalkWindowOf(frame));
+        }
+        const WalkWindow around = WalkWindowOf(tile_picture_->FromMiddle(frame));
+        std::vector<GhostLight::Cell> touching;
+        for (const GhostLight::Cell& cell : cells) {
+            if (Touches(cell, around)) touching.push_back(cell);
+        }
+        return touching;
     }
 
     std::vector<double> SpectralBounds() const {

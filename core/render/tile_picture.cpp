@@ -10,17 +10,23 @@
 namespace flare {
 namespace {
 
-constexpr int kStripRows = 64;  // a multiple of the largest tile
+constexpr int kBlock = 64;  // pixels a side; a strip is a row of blocks
 constexpr int kFinest = TileSize(kTileLevels - 1);
 
 int FloorDiv(int value, int by) {
     return value >= 0 ? value / by : -((-value + by - 1) / by);
 }
 
-// Passes on only the pieces that touch tiles left to polygons.
+// Passes on only the pieces that touch tiles of a block that are left to polygons.
 class LeftSink final : public PieceSink {
   public:
-    LeftSink(const GhostTiles& tiles, RasterSink& to) : tiles_(tiles), to_(to) {}
+    LeftSink(const GhostTiles& tiles, const PixelWindow& block, RasterSink& to)
+        : tiles_(tiles),
+          x0_(block.x / kFinest),
+          y0_(block.y / kFinest),
+          x1_((block.x + block.width) / kFinest - 1),
+          y1_((block.y + block.height) / kFinest - 1),
+          to_(to) {}
 
     void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
         Vec2d lo(1e300), hi(-1e300);
@@ -28,16 +34,14 @@ class LeftSink final : public PieceSink {
             lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
             hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
         }
-        const auto tile = [](double value, int first, int count) {
+        const auto tile = [](double value, int first, int last) {
             const double t = std::floor(value / kFinest);
-            return static_cast<int>(std::clamp(t, first - 1.0, static_cast<double>(first + count)));
+            return static_cast<int>(std::clamp(t, first - 1.0, last + 1.0));
         };
-        const int x0 = tile(lo.x, tiles_.left_x, tiles_.left_width);
-        const int x1 = tile(hi.x, tiles_.left_x, tiles_.left_width);
-        const int y0 = tile(lo.y, tiles_.left_y, tiles_.left_height);
-        const int y1 = tile(hi.y, tiles_.left_y, tiles_.left_height);
-        for (int y = y0; y <= y1; ++y) {
-            for (int x = x0; x <= x1; ++x) {
+        const int end_x = std::min(tile(hi.x, x0_, x1_), x1_);
+        const int end_y = std::min(tile(hi.y, y0_, y1_), y1_);
+        for (int y = std::max(tile(lo.y, y0_, y1_), y0_); y <= end_y; ++y) {
+            for (int x = std::max(tile(lo.x, x0_, x1_), x0_); x <= end_x; ++x) {
                 if (!tiles_.Left(x, y)) continue;
                 to_.Add(points, light, band);
                 return;
@@ -48,6 +52,7 @@ class LeftSink final : public PieceSink {
 
   private:
     const GhostTiles& tiles_;
+    int x0_, y0_, x1_, y1_;  // tiles of the block, the last included
     RasterSink& to_;
 };
 
@@ -55,14 +60,16 @@ class LeftSink final : public PieceSink {
 
 struct TilePicture::Strip {
     int y0 = 0, y1 = 0;            // rows of the padded window
-    std::vector<double> polygons;  // rows x padded width x kColourStride, 0 between ghosts
+    std::vector<double> polygons;  // of a block
 };
 
-TilePicture::TilePicture(const PixelWindow& window) : window_(window) {
-    const int x0 = FloorDiv(window.x, kLargestTile) * kLargestTile;
-    const int y0 = FloorDiv(window.y, kLargestTile) * kLargestTile;
-    const int x1 = -FloorDiv(-(window.x + window.width), kLargestTile) * kLargestTile;
-    const int y1 = -FloorDiv(-(window.y + window.height), kLargestTile) * kLargestTile;
+TilePicture::TilePicture(const PixelWindow& window, int width, int height, double unit)
+    : middle_x_(width / 2), middle_y_(height / 2), unit_(unit) {
+    window_ = FromMiddle(window);
+    const int x0 = FloorDiv(window_.x, kBlock) * kBlock;
+    const int y0 = FloorDiv(window_.y, kBlock) * kBlock;
+    const int x1 = -FloorDiv(-(window_.x + window_.width), kBlock) * kBlock;
+    const int y1 = -FloorDiv(-(window_.y + window_.height), kBlock) * kBlock;
     padded_ = {x0, y0, x1 - x0, y1 - y0};
     for (int l = 0; l < kTileLevels; ++l) {
         Plane& plane = planes_[static_cast<std::size_t>(l)];
@@ -77,15 +84,24 @@ TilePicture::TilePicture(const PixelWindow& window) : window_(window) {
     for (std::vector<float>& plane : pixels_) plane.assign(padded_.pixels(), 0.0F);
 }
 
+PictureMap TilePicture::MapFromMiddle(PictureMap map) const {
+    map.offset_px -= Vec2d(middle_x_, middle_y_);
+    return map;
+}
+
+PixelWindow TilePicture::FromMiddle(const PixelWindow& window) const {
+    return {window.x - middle_x_, window.y - middle_y_, window.width, window.height};
+}
+
 TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris,
                                      const PictureMap& map, const WalkTolerance& tolerance,
                                      ThreadPool& threads, const CancelToken& cancel) {
-    const int strips = (padded_.height + kStripRows - 1) / kStripRows;
+    const int strips = (padded_.height + kBlock - 1) / kBlock;
     std::vector<Drawn> drawn(static_cast<std::size_t>(strips));
     threads.For(strips, [&](int s) {
         Strip strip;
-        strip.y0 = padded_.y + s * kStripRows;
-        strip.y1 = std::min(strip.y0 + kStripRows, padded_.y + padded_.height);
+        strip.y0 = padded_.y + s * kBlock;
+        strip.y1 = std::min(strip.y0 + kBlock, padded_.y + padded_.height);
         for (const TiledGhost& ghost : ghosts) {
             if (cancel.cancelled()) return;
             Drawn& sum = drawn[static_cast<std::size_t>(s)];
@@ -156,25 +172,28 @@ void TilePicture::DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& 
 void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
                            const WalkTolerance& tolerance, Strip& strip, Drawn& drawn) {
     const GhostTiles& tiles = ghost.tiles;
-    PixelWindow box{0, 0, 0, 0};  // of the tiles left to polygons in this strip
-    int lo_x = std::numeric_limits<int>::max();
-    int hi_x = std::numeric_limits<int>::min();
-    int lo_y = lo_x;
-    int hi_y = hi_x;
-    const int first = std::max(tiles.left_y, strip.y0 / kFinest);
-    const int end = std::min(tiles.left_y + tiles.left_height, strip.y1 / kFinest);
-    for (int y = first; y < end; ++y) {
-        for (int x = tiles.left_x; x < tiles.left_x + tiles.left_width; ++x) {
-            if (!tiles.Left(x, y)) continue;
-            lo_x = std::min(lo_x, x);
-            hi_x = std::max(hi_x, x);
-            lo_y = std::min(lo_y, y);
-            hi_y = y;
+    const int first_y = std::max(tiles.left_y * kFinest, strip.y0);
+    const int end_y = std::min((tiles.left_y + tiles.left_height) * kFinest, strip.y1);
+    if (end_y <= first_y) return;
+    const int first_x = FloorDiv(tiles.left_x * kFinest, kBlock) * kBlock;
+    const int end_x = (tiles.left_x + tiles.left_width) * kFinest;
+    for (int x = first_x; x < end_x; x += kBlock) {
+        bool any = false;
+        for (int ty = first_y / kFinest; ty < end_y / kFinest && !any; ++ty) {
+            for (int tx = x / kFinest; tx < (x + kBlock) / kFinest && !any; ++tx)
+                any = tiles.Left(tx, ty);
         }
+        if (any)
+            DrawBlock(ghost, {x, strip.y0, kBlock, strip.y1 - strip.y0}, iris, map, tolerance,
+                      strip, drawn);
     }
-    if (hi_y < lo_y) return;
-    box = {lo_x * kFinest, lo_y * kFinest, (hi_x - lo_x + 1) * kFinest,
-           (hi_y - lo_y + 1) * kFinest};
+}
+
+// A block is drawn the same whatever the window.
+void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, const Iris& iris,
+                            const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
+                            Drawn& drawn) {
+    const GhostTiles& tiles = ghost.tiles;
     strip.polygons.assign(box.pixels() * kColourStride, 0.0);
     RasterTarget target;
     target.x0 = box.x;
@@ -186,17 +205,17 @@ void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const Pict
                             static_cast<double>(box.x + box.width),
                             static_cast<double>(box.y + box.height)};
     RasterSink raster(ghost.light, target);
-    LeftSink sink(tiles, raster);
+    LeftSink sink(tiles, box, raster);
     GhostWalk walk(ghost.light, iris, map, tolerance);
     for (const GhostLight::Cell& cell : ghost.light.cells) {
-        if (cell.ring || cell.y1 < window.y0 || cell.y0 > window.y1 || cell.x1 < window.x0 ||
-            cell.x0 > window.x1) {
+        if (cell.ring || !cell.wanted || cell.y1 < window.y0 || cell.y0 > window.y1 ||
+            cell.x1 < window.x0 || cell.x0 > window.x1) {
             continue;
         }
         walk.Cell(cell, window, sink);
     }
-    for (int y = lo_y; y <= hi_y; ++y) {
-        for (int x = lo_x; x <= hi_x; ++x) {
+    for (int y = box.y / kFinest; y < (box.y + box.height) / kFinest; ++y) {
+        for (int x = box.x / kFinest; x < (box.x + box.width) / kFinest; ++x) {
             if (!tiles.Left(x, y)) continue;
             for (int row = y * kFinest; row < (y + 1) * kFinest; ++row) {
                 const double* from =
@@ -207,7 +226,7 @@ void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const Pict
                 for (int i = 0; i < kFinest; ++i, from += kColourStride) {
                     const auto column = static_cast<std::size_t>(x * kFinest + i - padded_.x);
                     for (std::size_t c = 0; c < 3; ++c)
-                        Row(c, row)[column] += static_cast<float>(from[c]);
+                        Row(c, row)[column] += static_cast<float>(from[c] / unit_);
                 }
             }
         }
@@ -217,10 +236,10 @@ void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const Pict
 }
 
 void TilePicture::Finish(ThreadPool& threads) {
-    const int strips = (padded_.height + kStripRows - 1) / kStripRows;
+    const int strips = (padded_.height + kBlock - 1) / kBlock;
     threads.For(strips, [&](int s) {
-        const int y0 = padded_.y + s * kStripRows;
-        const int y1 = std::min(y0 + kStripRows, padded_.y + padded_.height);
+        const int y0 = padded_.y + s * kBlock;
+        const int y1 = std::min(y0 + kBlock, padded_.y + padded_.height);
         for (int y = y0; y < y1; ++y) {
             float* const rows[3] = {Row(0, y), Row(1, y), Row(2, y)};
             for (int l = 0; l < kTileLevels; ++l) {
@@ -236,10 +255,10 @@ void TilePicture::Finish(ThreadPool& threads) {
 }
 
 std::vector<float> TilePicture::Channel(int index, double scale) const {
-    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr double kMost = std::numeric_limits<float>::max();
     const std::vector<float>& plane = pixels_[static_cast<std::size_t>(index)];
     std::vector<float> values(window_.pixels());
-    const auto factor = static_cast<float>(scale);
+    const double factor = scale * unit_;
     for (int y = 0; y < window_.height; ++y) {
         const float* const from = plane.data() +
                                   static_cast<std::size_t>(y + window_.y - padded_.y) *
@@ -247,7 +266,10 @@ std::vector<float> TilePicture::Channel(int index, double scale) const {
                                   static_cast<std::size_t>(window_.x - padded_.x);
         float* const to =
             values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
-        for (int x = 0; x < window_.width; ++x) to[x] = std::clamp(from[x] * factor, -kMost, kMost);
+        for (int x = 0; x < window_.width; ++x) {
+            to[x] = static_cast<float>(
+                std::clamp(static_cast<double>(from[x]) * factor, -kMost, kMost));
+        }
     }
     return values;
 }

@@ -25,17 +25,25 @@ struct TiledGhost {
 
 class TilePicture {
   public:
-    explicit TilePicture(const PixelWindow& window);
+    // Tiles are laid out from the middle of a frame of `width` x `height`, so that a symmetric
+    // flare gives a symmetric picture. Light is held in units of `unit`: the brightest lamp's.
+    TilePicture(const PixelWindow& window, int width, int height, double unit);
+
+    // The map and the window that ghosts are cut into tiles by: from the frame's middle, the window
+    // widened to whole blocks of tiles.
+    PictureMap MapFromMiddle(PictureMap map) const;
+    PixelWindow FromMiddle(const PixelWindow& window) const;
+    const PixelWindow& padded() const { return padded_; }
+    double unit() const { return unit_; }
 
     struct Drawn {
         std::uint64_t pieces = 0;     // polygons and tiles
         std::uint64_t fragments = 0;  // pixels they touched
     };
-    // Adds the ghosts in the order given. Stops early when cancelled.
+    // Adds the ghosts in the order given; `map` as MapFromMiddle gives it. Stops early when
+    // cancelled.
     Drawn Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris, const PictureMap& map,
                const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
-
-    const PixelWindow& window() const { return window_; }
 
     // Opens the smooth tiles out; once, after all ghosts.
     void Finish(ThreadPool& threads);
@@ -53,13 +61,18 @@ class TilePicture {
     void DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
                   const WalkTolerance& tolerance, Strip& strip, Drawn& drawn);
+    void DrawBlock(const TiledGhost& ghost, const PixelWindow& block, const Iris& iris,
+                   const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
+                   Drawn& drawn);
     float* Row(std::size_t channel, int y) {
         return pixels_[channel].data() +
                static_cast<std::size_t>(y - padded_.y) * static_cast<std::size_t>(padded_.width);
     }
 
-    PixelWindow window_;
-    PixelWindow padded_;  // to whole tiles
+    PixelWindow window_;  // from the frame's middle, like padded_
+    PixelWindow padded_;
+    int middle_x_ = 0, middle_y_ = 0;
+    double unit_ = 1.0;
     std::array<Plane, kTileLevels> planes_;
     std::array<std::vector<float>, 3> pixels_;  // of padded_
 };

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The tiles against the exact polygons, ghost by ghost: the same prepared light drawn by both.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "core/base/units.h"
+#include "core/mesh/mesh_builder.h"
+#include "core/render/ghost_light.h"
+#include "core/render/lights.h"
+#include "core/render/picture.h"
+#include "core/render/quality.h"
+#include "core/render/tile_picture.h"
+#include "tests/support/lenses.h"
+#include "tests/support/seed_lens.h"
+
+namespace flare {
+namespace {
+
+constexpr PixelWindow kFrame{0, 0, 480, 270};
+constexpr PixelWindow kAround{-256, -192, 512, 384};  // in whole blocks, from the middle
+constexpr double kPitch_mm = 36.0 / 480.0;
+
+struct Scene {
+    std::string lens = testing::kSeedName;
+    double field_deg = 5.0;
+    double f_number = 4.0;
+    IrisShape iris;
+    double inverse_distance = 0.0;
+    // rel_l1 of all ghosts together, and of the energy.
+    double most_l1 = 0.005, most_energy = 5e-4;
+};
+
+void PrintTo(const Scene& scene, std::ostream* out) {
+    *out << scene.lens << " f/" << scene.f_number << " at " << scene.field_deg << " degrees, "
+         << scene.iris.blades << " blades";
+}
+
+struct Sums {
+    double light = 0.0, miss = 0.0, gain = 0.0;
+};
+
+class TilesAndPolygons : public ::testing::TestWithParam<Scene> {
+  protected:
+    TilesAndPolygons()
+        : lens_(testing::LibraryLens(GetParam().lens)),
+          threads_(2),
+          tables_(*lens_, EvenInWavelength(380.0, 780.0, 21), threads_),
+          settings_(SettingsOf(QualityPreset::kFinal)) {
+        const Scene& scene = GetParam();
+        light_.field_rad = RadiansFromDegrees(scene.field_deg);
+        light_.pose = PoseOf(*lens_, RadiansFromDegrees(20.0));
+        light_.inverse_distance = scene.inverse_distance;
+        const auto& stop = lens_->surfaces()[static_cast<std::size_t>(lens_->stop_index())];
+        iris_.emplace(scene.iris, stop.semi_diameter_mm * lens_->f_number() / scene.f_number,
+                      stop.semi_diameter_mm);
+        // Canonical to picture, turned with the pose.
+        map_.px_per_x = light_.pose.x_axis / -kPitch_mm;
+        map_.px_per_y = light_.pose.y_axis / -kPitch_mm;
+        map_.offset_px = {0.5 * kFrame.width, 0.5 * kFrame.height};
+        map_.stop_per_x = light_.pose.x_axis;
+        map_.stop_per_y = light_.pose.y_axis;
+        tile_map_ = TilePicture(kFrame, kFrame.width, kFrame.height, 1.0).MapFromMiddle(map_);
+    }
+
+    TiledGhost Prepared(const BounceSequence& sequence) {
+        MeshSpec spec = MeshSpecOf(sequence, light_);
+        spec.wavelengths_nm = ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, 3);
+        spec.cells = 48;
+        spec.position_tolerance_mm = settings_.position_tolerance_mm;
+        spec.mask_tolerance = settings_.mask_tolerance;
+        const auto surface = std::make_shared<const GhostSurface>(
+            std::make_shared<const GhostMesh>(BuildMesh(*lens_, spec)), lens_->sensor_gap_mm());
+        TiledGhost ghost;
+        if (surface->cells().empty()) return ghost;
+        LightColour colour;
+        colour.power = LightSpectrum(Vec3d(1.0, 1.0, 1.0));
+        colour.dispersion_step_px = 0.5;
+        colour.most_drawn = 96;
+        std::vector<GhostLight::Cell> cells =
+            CellsInWindow(*surface, {kDrawnLow_nm, 550.0, kDrawnHigh_nm}, *iris_, tile_map_, {});
+        if (cells.empty()) return ghost;
+        colour.dispersion_px = DispersionPx(*surface, cells, tile_map_);
+        AddRing(*surface, tile_map_, kAround, cells);
+        ghost.light = PrepareGhost(surface, BundleOf(*lens_, light_), *lens_, tables_, colour,
+                                   std::move(cells));
+        ghost.tiles = TilesOf(ghost.light, *iris_, tile_map_, kAround, *settings_.tiles, 2.0);
+        return ghost;
+    }
+
+    std::shared_ptr<const Lens> lens_;
+    ThreadPool threads_;
+    TransmissionTables tables_;
+    QualitySettings settings_;
+    PlacedLight light_;
+    std::optional<Iris> iris_;
+    PictureMap map_, tile_map_;
+};
+
+TEST_P(TilesAndPolygons, GiveOnePicture) {
+    Sums all;
+    std::size_t smooth = 0, edges = 0, left = 0;
+    const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens_);
+    const std::size_t step = sequences.size() > 60 ? sequences.size() / 40 : 1;
+    for (std::size_t n = 0; n < sequences.size(); n += step) {
+        std::vector<TiledGhost> ghosts(1);
+        ghosts[0] = Prepared(sequences[n]);
+        if (ghosts[0].light.cells.empty()) continue;
+        smooth += ghosts[0].tiles.smooth.size();
+        edges += ghosts[0].tiles.edges.size();
+        for (const std::uint8_t tile : ghosts[0].tiles.left) left += tile;
+        TilePicture tiles(kFrame, kFrame.width, kFrame.height, 2.0);
+        ASSERT_EQ(tiles.padded(), kAround);
+        tiles.Draw(ghosts, *iris_, tile_map_, settings_.walk, threads_, {});
+        tiles.Finish(threads_);
+        Picture polygons(kFrame, 0);
+        // The same cells, seen from the frame's corner.
+        std::vector<GhostLight> lights = {ghosts[0].light};
+        for (GhostLight::Cell& cell : lights[0].cells) {
+            cell.y0 += kFrame.height / 2;
+            cell.y1 += kFrame.height / 2;
+        }
+        polygons.Draw(lights, *iris_, map_, settings_.walk, threads_, {});
+        const Sums before = all;
+        for (int c = 0; c < 3; ++c) {
+            const std::vector<float> a = tiles.Channel(c, 1.0);
+            const std::vector<float> b = polygons.Channel(c, 1.0);
+            for (std::size_t i = 0; i < a.size(); ++i) {
+                const double truth = static_cast<double>(b[i]);
+                const double miss = static_cast<double>(a[i]) - truth;
+                ASSERT_TRUE(std::isfinite(miss));
+                all.light += truth;
+                all.miss += std::abs(miss);
+                all.gain += miss;
+            }
+        }
+        if (std::getenv("TILE_DEBUG")) {
+            std::printf("(%d,%d) light %.4g l1 %.4f gain %+.5f cells %zu patches %zu smooth %zu edges %zu\n",
+                sequences[n][0], sequences[n][1], all.light - before.light, (all.miss - before.miss) / (all.light - before.light),
+                (all.gain - before.gain) / (all.light - before.light), ghosts[0].light.cells.size(), ghosts[0].light.surface->mesh().grids.size(),ghosts[0].tiles.smooth.size(), ghosts[0].tiles.edges.size());
+            if (std::atoi(std::getenv("TILE_DEBUG")) == static_cast<int>(n)) {
+                FILE* f = std::fopen("/tmp/w/td.bin", "wb");
+                for (int c = 0; c < 3; ++c) { auto a = tiles.Channel(c, 1.0); std::fwrite(a.data(), 4, a.size(), f); }
+                for (int c = 0; c < 3; ++c) { auto a = polygons.Channel(c, 1.0); std::fwrite(a.data(), 4, a.size(), f); }
+                std::fclose(f);
+            }
+        }
+    }
+    ASSERT_GT(all.light, 0.0);//X
+    EXPECT_LT(all.miss, GetParam().most_l1 * all.light);
+    EXPECT_LT(std::abs(all.gain), GetParam().most_energy * all.light);
+    // The comparison is between two methods.
+    EXPECT_GT(smooth, 50U);
+    EXPECT_GT(edges, 50U);
+    std::printf("rel_l1 %.5f energy %+.6f; tiles %zu smooth, %zu edges, %zu left (of 16 px)\n",
+                all.miss / all.light, all.gain / all.light, smooth, edges, left);
+}
+
+std::vector<Scene> Scenes() {
+    std::vector<Scene> scenes(1);
+    scenes.push_back({testing::kSeedName, 5.0, 2.0, {}});
+    scenes.push_back({testing::kSeedName, 12.0, 8.0, {6, 0.0, 10.0}});
+    scenes.push_back({testing::kSeedName, 8.0, 4.0, {5, 0.4, 0.0}, 1e-3});
+    scenes.push_back({"tronnier-color-heliar-100mm-f3_5", 4.0, 5.6, {}});
+    scenes.push_back({"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}});
+    scenes.push_back({"canon-zoom-70-200mm-f2_8", 3.0, 4.0, {9, 0.6, 0.0}});
+    return scenes;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, TilesAndPolygons, ::testing::ValuesIn(Scenes()));
+
+}  // namespace
+}  // namespace flare
