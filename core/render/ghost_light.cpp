@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <utility>
 
+#include "core/mesh/passage_columns.h"
 #include "core/render/quality.h"
 
 namespace flare {
@@ -24,154 +29,287 @@ std::vector<std::vector<std::uint8_t>> UsedVertices(const GhostMesh& mesh,
     return used;
 }
 
-// Transmittance times flux density over the cells of one ghost, at each wavelength of the tables.
-class CellLight {
+// Points of a ghost's cells and the light there: transmittance times flux density, many points at
+// once.
+class LightPoints {
   public:
-    CellLight(const GhostSurface& surface, const LightBundle& bundle,
-              const TransmissionTables& tables, const TransmissionTables::Path& path)
-        : surface_(surface), mesh_(surface.mesh()), bundle_(bundle), path_(path) {
-        const std::vector<double> traced = TracedWavelengths(mesh_);
-        for (const double wavelength : tables.wavelengths_nm()) {
-            weights_.push_back(NodeWeights(traced, wavelength));
+    LightPoints(const GhostSurface& surface, const LightBundle& bundle)
+        : surface_(surface), mesh_(surface.mesh()), bundle_(bundle) {}
+
+    // (a, b) in the cell, 0..1, bilinear between its corners, of which a dead one is filled in by
+    // the parallelogram rule. Returns the point's number.
+    std::uint32_t Add(const CellPlace& place, double a, double b) {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        Point& point = points_.emplace_back();
+        point.grid = &grid;
+        std::array<double, 4> shares = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b};
+        if (surface_.UseOf(place) == CellUse::kTriangle) {
+            const auto dead = static_cast<std::size_t>(surface_.DeadCorner(place));
+            const double share = std::exchange(shares[dead], 0.0);
+            shares[dead ^ 1U] += share;
+            shares[dead ^ 2U] += share;
+            shares[dead ^ 3U] -= share;
         }
-        for (const MeshGrid& grid : mesh_.grids) at_vertex_.emplace_back(grid.alive.size());
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (shares[k] == 0.0) continue;
+            point.vertices[point.count] =
+                grid.Vertex(place.i + static_cast<int>(k % 2), place.j + static_cast<int>(k / 2));
+            point.shares[point.count] = static_cast<float>(shares[k]);
+            ++point.count;
+        }
+        point.density = bundle_.FluxDensity(grid.u0 + (place.i + a) * grid.du,
+                                            grid.v0 + (place.j + b) * grid.dv);
+        return static_cast<std::uint32_t>(points_.size() - 1);
     }
 
-    std::size_t wavelengths() const { return weights_.size(); }
-
-    // Notes the brightest cell, by which CutsOf judges what matters.
-    void Weigh(const CellPlace& place) {
-        SetCell(place);
-        brightest_ = std::max(brightest_, Weight((weights_.size() - 1) / 2, 0.5, 0.5));
-    }
-
-    // How finely the cell's light must be sampled: the corners, unless the light at the middle is
-    // not their mean. A miss counts by the ghost's brightest cell where the cell itself is dim, as
-    // towards grazing incidence.
-    int CutsOf(const CellPlace& place, double tolerance) {
-        constexpr double kDim = 0.2;
-        SetCell(place);
-        const std::size_t last = weights_.size() - 1;
-        int cuts = 1;
-        double light = 0.0;
-        for (const std::size_t band : {std::size_t{0}, last / 2, last}) {
-            double mean = 0.0;
-            for (std::size_t corner = 0; corner < 4; ++corner) {
-                mean += 0.25 * Weight(band, corner % 2 == 0 ? 0.0 : 1.0, corner < 2 ? 0.0 : 1.0);
+    // [point][which of `bands`]
+    std::vector<float> LightIn(const PathInColumns& path, const std::vector<std::size_t>& bands) {
+        // So many that their passages stay in the second-level cache.
+        constexpr std::size_t kAtOnce = 1024;
+        std::vector<float> light(points_.size() * bands.size());
+        std::vector<float> weights;
+        for (std::size_t first = 0; first < points_.size(); first += kAtOnce) {
+            const std::size_t count = std::min(kAtOnce, points_.size() - first);
+            Gather(first, count);
+            for (std::size_t b = 0; b < bands.size(); ++b) {
+                path.Weights(bands[b], columns_, weights);
+                for (std::size_t k = 0; k < count; ++k) {
+                    light[(first + k) * bands.size() + b] =
+                        static_cast<float>(points_[first + k].density) * weights[k];
+                }
             }
-            const double middle = Weight(band, 0.5, 0.5);
-            light = std::max({light, mean, middle});
-            const double scale = std::max({mean, kDim * brightest_, 1e-300});
-            const double miss = std::abs(middle - mean) / scale;
-            if (miss > 25.0 * tolerance) {
-                cuts = 8;
-            } else if (miss > tolerance) {
-                cuts = std::max(cuts, 4);
-            }
         }
-        // R has a square-root edge at the critical angle, which the middle alone may not show.
-        return NearCriticalAngle() && light > 0.02 * brightest_ ? 16 : cuts;
-    }
-
-    // Light at lattice point (a, b) of the cell, 0..1.
-    void At(const CellPlace& place, int cuts, int i, int j, std::vector<double>& out) {
-        if (cuts == 1 && surface_.UseOf(place) != CellUse::kTriangle) {
-            // A vertex serves four cells.
-            const auto g = static_cast<std::size_t>(place.grid);
-            std::vector<double>& kept =
-                at_vertex_[g][mesh_.grids[g].Vertex(place.i + i, place.j + j)];
-            if (kept.empty()) Compute(place, i, j, kept);
-            out = kept;
-            return;
-        }
-        Compute(place, static_cast<double>(i) / cuts, static_cast<double>(j) / cuts, out);
+        return light;
     }
 
   private:
-    void Compute(const CellPlace& place, double a, double b, std::vector<double>& out) {
-        SetCell(place);
-        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
-        const double density = bundle_.FluxDensity(grid.u0 + (place.i + a) * grid.du,
-                                                   grid.v0 + (place.j + b) * grid.dv);
-        out.resize(weights_.size());
-        for (std::size_t band = 0; band < weights_.size(); ++band)
-            out[band] = density * Weight(band, a, b);
-    }
+    struct Point {
+        const MeshGrid* grid = nullptr;
+        std::array<std::size_t, 4> vertices{};
+        std::array<float, 4> shares{};
+        std::size_t count = 0;
+        double density = 1.0;
+    };
 
-    // R and T go with the square root of the squared cosine. That bends sharply where the squared
-    // cosine comes near 0 within the cell, not where it is small all over it.
-    bool NearCriticalAngle() const {
-        const auto steps = static_cast<std::size_t>(mesh_.interactions);
-        const auto stride = static_cast<std::size_t>(mesh_.passage_count());
-        const std::size_t nodes = corners_.size() / (4 * stride);
-        for (std::size_t k = 0; k < nodes; ++k) {
-            for (std::size_t s = 0; s < steps; ++s) {
-                double lo = 1.0;
-                double hi = -1.0;
-                for (std::size_t corner = 0; corner < 4; ++corner) {
-                    const double c2 = corners_[(k * 4 + corner) * stride + s];
-                    lo = std::min(lo, c2);
-                    hi = std::max(hi, c2);
-                }
-                if (lo < 0.04 && hi > -0.04 && hi > 2.0 * lo) return true;
-            }
-        }
-        return false;
-    }
-
-    // Gathers the passages at the cell's corners, a dead one filled in by the parallelogram rule.
-    void SetCell(const CellPlace& place) {
-        if (place.grid == cell_.grid && place.i == cell_.i && place.j == cell_.j) return;
-        cell_ = place;
-        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
-        const auto steps = static_cast<std::size_t>(mesh_.passage_count());
-        corners_.assign(grid.nodes.size() * 4 * steps, 0.0);
-        const int dead =
-            surface_.UseOf(place) == CellUse::kTriangle ? surface_.DeadCorner(place) : -1;
-        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
-            double* const at = &corners_[k * 4 * steps];
-            for (int corner = 0; corner < 4; ++corner) {
-                const std::size_t vertex = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
-                for (std::size_t s = 0; s < steps; ++s) {
-                    at[static_cast<std::size_t>(corner) * steps + s] =
-                        static_cast<double>(grid.nodes[k].passage[vertex * steps + s]);
+    void Gather(std::size_t first, std::size_t count) {
+        const auto passages = static_cast<std::size_t>(mesh_.passage_count());
+        const std::size_t nodes = mesh_.grids.front().nodes.size();
+        columns_.Resize(nodes, passages, count);
+        for (std::size_t k = 0; k < columns_.stride; ++k) {
+            // The last columns are filled up with the last point.
+            const Point& point = points_[first + std::min(k, count - 1)];
+            for (std::size_t n = 0; n < nodes; ++n) {
+                const float* const all = point.grid->nodes[n].passage.data();
+                float* const out = &columns_.values[n * passages * columns_.stride + k];
+                for (std::size_t s = 0; s < passages; ++s) {
+                    float sum = 0.0F;
+                    for (std::size_t c = 0; c < point.count; ++c)
+                        sum += point.shares[c] * all[point.vertices[c] * passages + s];
+                    out[s * columns_.stride] = sum;
                 }
             }
-            if (dead < 0) continue;
-            const auto d = static_cast<std::size_t>(dead);
-            for (std::size_t s = 0; s < steps; ++s) {
-                at[d * steps + s] =
-                    at[(d ^ 1U) * steps + s] + at[(d ^ 2U) * steps + s] - at[(d ^ 3U) * steps + s];
-            }
         }
-    }
-
-    double Weight(std::size_t band, double a, double b) {
-        const auto steps = static_cast<std::size_t>(mesh_.passage_count());
-        passage_.assign(steps, 0.0);
-        const std::array<double, 4> w = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b,
-                                         a * b};
-        for (std::size_t k = 0; k < weights_[band].size(); ++k) {
-            for (std::size_t corner = 0; corner < 4; ++corner) {
-                const double share = weights_[band][k] * w[corner];
-                if (share == 0.0) continue;
-                const double* const at = &corners_[(k * 4 + corner) * steps];
-                for (std::size_t s = 0; s < steps; ++s) passage_[s] += share * at[s];
-            }
-        }
-        return path_.Weight(static_cast<int>(band), passage_);
     }
 
     const GhostSurface& surface_;
     const GhostMesh& mesh_;
     const LightBundle& bundle_;
-    const TransmissionTables::Path& path_;
-    std::vector<std::vector<double>> weights_;
-    std::vector<std::vector<std::vector<double>>> at_vertex_;  // [grid][vertex][wavelength]
-    double brightest_ = 0.0;  // light at the middle of a cell, at the middle wavelength
-    CellPlace cell_{-1, -1, -1};
-    std::vector<double> corners_;  // [node][corner][passage]
-    std::vector<double> passage_;
+    std::vector<Point> points_;
+    PassageColumns columns_;
+};
+
+// Passages at all corners of the surface's cells, whatever window is drawn.
+PassageRange RangeOfPassages(const GhostSurface& surface) {
+    const GhostMesh& mesh = surface.mesh();
+    const auto passages = static_cast<std::size_t>(mesh.passage_count());
+    PassageRange range(passages);
+    std::vector<const float*> nodes;
+    std::vector<std::uint8_t> seen;
+    int grid_seen = -1;
+    for (const CellPlace& cell : surface.cells()) {
+        const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(cell.grid)];
+        if (cell.grid != grid_seen) seen.assign(grid.alive.size(), 0);
+        grid_seen = cell.grid;
+        for (int corner = 0; corner < 4; ++corner) {
+            const std::size_t v = grid.Vertex(cell.i + corner % 2, cell.j + corner / 2);
+            if (grid.alive[v] == 0 || std::exchange(seen[v], std::uint8_t{1}) != 0) continue;
+            nodes.clear();
+            for (const MeshNode& node : grid.nodes) nodes.push_back(&node.passage[v * passages]);
+            range.Add(nodes);
+        }
+    }
+    return range;
+}
+
+// Chooses at how many points of each cell light is known, and works it out.
+class CellLight {
+  public:
+    CellLight(const GhostSurface& surface, const LightBundle& bundle,
+              const TransmissionTables& tables, const TransmissionTables::Path& path)
+        : surface_(surface),
+          mesh_(surface.mesh()),
+          bundle_(bundle),
+          path_(path, WeightsOf(mesh_, tables), RangeOfPassages(surface)) {}
+
+    // How finely each cell's light must be sampled: its corners, unless the light at the middle is
+    // not their mean. A miss counts by the ghost's brightest cell where the cell itself is dim, as
+    // towards grazing incidence.
+    void ChooseCuts(std::vector<GhostLight::Cell>& cells, double tolerance) {
+        const double brightest = Brightest();
+        const std::size_t last = path_.bands() - 1;
+        const std::vector<std::size_t> bands = {0, last / 2, last};
+        LightPoints samples(surface_, bundle_);
+        VertexPoints vertices(mesh_);
+        std::vector<std::array<std::uint32_t, kSamples>> at(cells.size());
+        std::vector<std::uint8_t> critical(cells.size());
+        for (std::size_t c = 0; c < cells.size(); ++c) {
+            critical[c] = NearCriticalAngle(cells[c].place) ? 1 : 0;
+            AddSamples(cells[c].place, critical[c] != 0, samples, vertices, at[c]);
+        }
+        const std::vector<float> light = samples.LightIn(path_, bands);
+        for (std::size_t c = 0; c < cells.size(); ++c) {
+            std::array<std::array<double, kSamples>, 3> values{};
+            for (std::size_t b = 0; b < bands.size(); ++b) {
+                for (std::size_t k = 0; k < kSamples; ++k)
+                    values[b][k] = static_cast<double>(light[at[c][k] * bands.size() + b]);
+            }
+            cells[c].light_cuts = CutsOf(values, brightest, tolerance, critical[c] != 0);
+        }
+    }
+
+    // Of all cells, point by point of their lattices: [point][band].
+    std::vector<float> Light(const std::vector<GhostLight::Cell>& cells,
+                             std::vector<std::uint32_t>& point_of) {
+        LightPoints points(surface_, bundle_);
+        VertexPoints vertices(mesh_);
+        for (const GhostLight::Cell& cell : cells) {
+            const int cuts = cell.light_cuts;
+            for (int j = 0; j <= cuts; ++j) {
+                for (int i = 0; i <= cuts; ++i) {
+                    point_of.push_back(cuts == 1
+                                           ? AddCorner(cell.place, i, j, points, vertices)
+                                           : points.Add(cell.place, static_cast<double>(i) / cuts,
+                                                        static_cast<double>(j) / cuts));
+                }
+            }
+        }
+        std::vector<std::size_t> bands(path_.bands());
+        std::iota(bands.begin(), bands.end(), std::size_t{0});
+        return points.LightIn(path_, bands);
+    }
+
+  private:
+    // Middle, corners, and next to the critical angle the middles of the quarters.
+    static constexpr std::size_t kSamples = 9;
+
+    // Which point stands for a vertex: it serves four cells.
+    struct VertexPoints {
+        static constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+        std::vector<std::vector<std::uint32_t>> of_grid;
+
+        explicit VertexPoints(const GhostMesh& mesh) : of_grid(mesh.grids.size()) {}
+        std::uint32_t& At(const GhostMesh& mesh, int g, int i, int j) {
+            const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(g)];
+            std::vector<std::uint32_t>& of = of_grid[static_cast<std::size_t>(g)];
+            if (of.empty()) of.assign(grid.alive.size(), kNone);
+            return of[grid.Vertex(i, j)];
+        }
+    };
+
+    std::uint32_t AddCorner(const CellPlace& place, int i, int j, LightPoints& points,
+                            VertexPoints& vertices) const {
+        if (surface_.UseOf(place) == CellUse::kTriangle) return points.Add(place, i, j);
+        std::uint32_t& known = vertices.At(mesh_, place.grid, place.i + i, place.j + j);
+        if (known == VertexPoints::kNone) known = points.Add(place, i, j);
+        return known;
+    }
+
+    static std::vector<std::vector<double>> WeightsOf(const GhostMesh& mesh,
+                                                      const TransmissionTables& tables) {
+        const std::vector<double> traced = TracedWavelengths(mesh);
+        std::vector<std::vector<double>> weights;
+        for (const double wavelength : tables.wavelengths_nm())
+            weights.push_back(NodeWeights(traced, wavelength));
+        return weights;
+    }
+
+    // Light at the middle of the brightest cell, at the middle wavelength, over the whole ghost: a
+    // crop is drawn as the frame is.
+    double Brightest() {
+        LightPoints middles(surface_, bundle_);
+        for (std::size_t k = 0; k < surface_.cells().size(); k += 3)
+            middles.Add(surface_.cells()[k], 0.5, 0.5);
+        const std::vector<float> light = middles.LightIn(path_, {(path_.bands() - 1) / 2});
+        return static_cast<double>(*std::max_element(light.begin(), light.end()));
+    }
+
+    void AddSamples(const CellPlace& place, bool critical, LightPoints& points,
+                    VertexPoints& vertices, std::array<std::uint32_t, kSamples>& at) const {
+        at.fill(points.Add(place, 0.5, 0.5));
+        for (std::size_t k = 0; k < 4; ++k) {
+            at[1 + k] = AddCorner(place, static_cast<int>(k % 2), static_cast<int>(k / 2), points,
+                                  vertices);
+            if (critical)
+                at[5 + k] = points.Add(place, k % 2 == 0 ? 0.25 : 0.75, k < 2 ? 0.25 : 0.75);
+        }
+    }
+
+    // `light` is [band][sample].
+    static int CutsOf(const std::array<std::array<double, kSamples>, 3>& light, double brightest,
+                      double tolerance, bool critical) {
+        constexpr double kDim = 0.2;
+        double miss = 0.0;
+        double most = 0.0;
+        for (const std::array<double, kSamples>& at : light) {
+            const double mean = 0.25 * (at[1] + at[2] + at[3] + at[4]);
+            const double scale = std::max({mean, kDim * brightest, 1e-300});
+            most = std::max({most, mean, at[0]});
+            miss = std::max(miss, std::abs(at[0] - mean) / scale);
+            if (!critical) continue;
+            // R has a square-root edge at the critical angle, which the middle alone may not show.
+            for (std::size_t quarter = 0; quarter < 4; ++quarter) {
+                const double a = quarter % 2 == 0 ? 0.25 : 0.75;
+                const double b = quarter < 2 ? 0.25 : 0.75;
+                const double there = (1.0 - b) * ((1.0 - a) * at[1] + a * at[2]) +
+                                     b * ((1.0 - a) * at[3] + a * at[4]);
+                miss = std::max(miss, std::abs(at[5 + quarter] - there) / scale);
+            }
+        }
+        if (critical && most > 0.02 * brightest && miss > tolerance) {
+            return miss > 25.0 * tolerance ? 16 : 8;
+        }
+        return miss > 25.0 * tolerance ? 8 : miss > tolerance ? 4 : 1;
+    }
+
+    // R and T go with the square root of the squared cosine. That bends sharply where the squared
+    // cosine comes near 0 within the cell, not where it is small all over it.
+    bool NearCriticalAngle(const CellPlace& place) const {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        const auto steps = static_cast<std::size_t>(mesh_.interactions);
+        const auto stride = static_cast<std::size_t>(mesh_.passage_count());
+        const int dead =
+            surface_.UseOf(place) == CellUse::kTriangle ? surface_.DeadCorner(place) : -1;
+        for (const MeshNode& node : grid.nodes) {
+            std::array<const float*, 4> corners{};
+            for (int k = 0; k < 4; ++k) {
+                // A dead corner counts as one of its neighbours.
+                const int corner = k == dead ? k ^ 1 : k;
+                corners[static_cast<std::size_t>(k)] =
+                    &node.passage[grid.Vertex(place.i + corner % 2, place.j + corner / 2) * stride];
+            }
+            for (std::size_t s = 0; s < steps; ++s) {
+                const auto [lo, hi] =
+                    std::minmax({corners[0][s], corners[1][s], corners[2][s], corners[3][s]});
+                if (lo < 0.04F && hi > -0.04F && hi > 2.0F * lo) return true;
+            }
+        }
+        return false;
+    }
+
+    const GhostSurface& surface_;
+    const GhostMesh& mesh_;
+    const LightBundle& bundle_;
+    PathInColumns path_;
 };
 
 }  // namespace
@@ -183,6 +321,34 @@ std::vector<double> TracedWavelengths(const GhostMesh& mesh) {
     return wavelengths;
 }
 
+namespace {
+
+// Do the cell's corners say that it is nowhere near the window? A cheap look; false when in doubt.
+bool FarFromWindow(const GhostSurface& surface, const CellPlace& place, const PictureMap& map,
+                   const WalkWindow& window) {
+    if (surface.UseOf(place) == CellUse::kTriangle) return false;
+    const GhostMesh& mesh = surface.mesh();
+    const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(place.grid)];
+    const auto stored = static_cast<std::size_t>(mesh.stored_count());
+    Vec2d lo(1e300), hi(-1e300);
+    for (const MeshNode& node : grid.nodes) {
+        for (int corner = 0; corner < 4; ++corner) {
+            const std::size_t v = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
+            const Vec2d at = mesh.SensorPlace(&node.fields[v * stored], surface.sensor_gap_mm());
+            const Vec2d pixel = map.Pixel(at.x, at.y);
+            lo = {std::min(lo.x, pixel.x), std::min(lo.y, pixel.y)};
+            hi = {std::max(hi.x, pixel.x), std::max(hi.y, pixel.y)};
+        }
+    }
+    // The surface bulges out of its corners' box by less than the box's size.
+    constexpr double kPad_px = 32.0;
+    const Vec2d margin = hi - lo + Vec2d(kPad_px, kPad_px);
+    return hi.x + margin.x < window.x0 || lo.x - margin.x > window.x1 ||
+           hi.y + margin.y < window.y0 || lo.y - margin.y > window.y1;
+}
+
+}  // namespace
+
 std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
                                             const std::vector<double>& wavelengths_nm,
                                             const Iris& iris, const PictureMap& map,
@@ -193,6 +359,7 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
     for (const double wavelength : wavelengths_nm)
         weights.push_back(NodeWeights(traced, wavelength));
     for (const CellPlace& place : surface.cells()) {
+        if (FarFromWindow(surface, place, map, window)) continue;
         CellBounds b = BoundCell(surface, weights, place, iris, map);
         if (!b.passes) continue;
         if (weights.size() > 1) {
@@ -257,10 +424,8 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     CellLight light(*surface, bundle, tables, path);
     const auto channels = static_cast<std::size_t>(ghost.channels);
     std::size_t points = 0;
-    // Over the whole ghost, not what the window shows: a crop is drawn as the frame is.
-    for (std::size_t k = 0; k < surface->cells().size(); k += 3) light.Weigh(surface->cells()[k]);
+    light.ChooseCuts(ghost.cells, colour.light_tolerance);
     for (GhostLight::Cell& cell : ghost.cells) {
-        cell.light_cuts = light.CutsOf(cell.place, colour.light_tolerance);
         cell.light_at = points * channels;
         points += static_cast<std::size_t>(cell.light_cuts + 1) *
                   static_cast<std::size_t>(cell.light_cuts + 1);
@@ -271,27 +436,24 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
                                colour.spectral ? static_cast<int>(b) : 0});
     }
 
-    std::vector<double> passed;
-    for (const GhostLight::Cell& cell : ghost.cells) {
-        std::size_t at = cell.light_at;
-        for (int j = 0; j <= cell.light_cuts; ++j) {
-            for (int i = 0; i <= cell.light_cuts; ++i, at += channels) {
-                light.At(cell.place, cell.light_cuts, i, j, passed);
-                if (colour.spectral) {
-                    for (std::size_t b = 0; b < drawn.size(); ++b) {
-                        ghost.bands[b].light[at] = colour.irradiance * passed[b];
-                    }
-                    continue;
-                }
-                for (const BandShare& share : shares) {
-                    double* const out =
-                        &ghost.bands[static_cast<std::size_t>(share.drawn)].light[at];
-                    const double t = passed[static_cast<std::size_t>(share.colour)];
-                    out[0] += t * share.rgb.x;
-                    out[1] += t * share.rgb.y;
-                    out[2] += t * share.rgb.z;
-                }
+    std::vector<std::uint32_t> point_of;
+    const std::vector<float> passed = light.Light(ghost.cells, point_of);
+    const std::size_t wavelengths = tables.wavelengths_nm().size();
+    for (std::size_t k = 0; k < points; ++k) {
+        const float* const through = &passed[point_of[k] * wavelengths];
+        if (colour.spectral) {
+            for (std::size_t b = 0; b < drawn.size(); ++b) {
+                ghost.bands[b].light[k] = colour.irradiance * static_cast<double>(through[b]);
             }
+            continue;
+        }
+        for (const BandShare& share : shares) {
+            double* const out =
+                &ghost.bands[static_cast<std::size_t>(share.drawn)].light[k * channels];
+            const auto t = static_cast<double>(through[share.colour]);
+            out[0] += t * share.rgb.x;
+            out[1] += t * share.rgb.y;
+            out[2] += t * share.rgb.z;
         }
     }
     return ghost;

@@ -15,8 +15,12 @@ QualitySettings SettingsOf(QualityPreset preset) {
             return {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
         case QualityPreset::kFinal:
             return {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
-        case QualityPreset::kReference:
-            return {128, 8, 0.003, 0.001, 4, 81, 0.75, 128, 1e-4, {0.02, 0.01, 0.5, 24.0, 0.015}};
+        case QualityPreset::kReference: {
+            QualitySettings settings{128, 8,    0.003, 0.001, 4,
+                                     81,  0.75, 128,   1e-4,  {0.02, 0.01, 0.5, 24.0, 0.015}};
+            settings.arithmetic = MeshArithmetic::kDouble;
+            return settings;
+        }
     }
     return {};
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/image/ghost_walk.h"
+#include "core/mesh/mesh_builder.h"
 #include "core/render/flare_request.h"
 
 namespace flare {
@@ -19,6 +20,7 @@ struct QualitySettings {
     int most_drawn = 24;
     double light_tolerance = 2e-4;  // of transmittance interpolated within a cell
     WalkTolerance walk;
+    MeshArithmetic arithmetic = MeshArithmetic::kFloat;
 };
 
 QualitySettings SettingsOf(QualityPreset preset);

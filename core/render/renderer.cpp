@@ -213,6 +213,7 @@ class Job {
         MeshSpec spec = MeshSpecOf(report_.facts.ghosts[index].sequence, light);
         spec.wavelengths_nm = TracedNodes();
         spec.cells = settings_.mesh_cells;
+        spec.arithmetic = settings_.arithmetic;
         spec.patch_cells = settings_.patch_cells;
         spec.position_tolerance_mm = settings_.position_tolerance_mm;
         spec.mask_tolerance = settings_.mask_tolerance;
@@ -224,8 +225,8 @@ class Job {
             work.rays_traced += found->mesh->rays_traced;
             work.ray_surfaces += found->mesh->ray_surfaces;
         }
-        const auto surface =
-            std::make_shared<const GhostSurface>(found->mesh, lens_.sensor_gap_mm());
+        const auto surface = std::make_shared<const GhostSurface>(
+            found->mesh, lens_.sensor_gap_mm(), iris_.outer_radius());
         if (surface->cells().empty()) return {};
 
         const LightBundle bundle = BundleOf(lens_, light);
