@@ -10,6 +10,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/mesh/grid_roughness.h"
 #include "core/mesh/pass_region.h"
 #include "core/mesh/raw_grid.h"
 
@@ -22,20 +23,18 @@ constexpr int kTracerVersion = 4;  // part of every key: raise when traced value
 // corners stay as they are and others are left out.
 constexpr std::size_t kMostPatches = 4096;
 
-// Squared cosines below this are near total reflection.
-constexpr double kNearCritical = 0.1;
-
 // Cells whose best corner has a larger (distance / semi-diameter)^2 than this at some rim do not
 // pass.
 constexpr double kNearlyPasses = 1.05;
 
 // The part of the position tolerance that floats may take up.
-constexpr double kFloatShare = 0.05;
+constexpr double kFloatShare = 0.02;
 
 class Builder {
   public:
     Builder(const Lens& lens, const MeshSpec& spec, MeshArithmetic arithmetic)
         : spec_(spec),
+          lens_(lens),
           tracer_(lens, spec, arithmetic),
           sensor_gap_mm_(lens.nominal_sensor_gap_mm()) {
         mesh_.sequence = spec.sequence;
@@ -46,8 +45,6 @@ class Builder {
         mesh_.stop_crossings = static_cast<int>(tracer_.crossings());
         mesh_.interactions = static_cast<int>(tracer_.steps());
         mesh_.in_doubles = arithmetic == MeshArithmetic::kDouble;
-        stop_semi_diameter_mm_ =
-            lens.surfaces()[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm;
     }
 
     PassRegion Region() const { return FindPassRegion(tracer_.lists(), tracer_.bundle()); }
@@ -81,13 +78,14 @@ class Builder {
     void UseMainCells() {
         RawGrid& main = raw_.front();
         const int cells = main.grid.nu - 1;
-        std::vector<CellIndex> patched;
+        GridRoughness roughness(tracer_, spec_, lens_, main);
+        std::vector<PatchedCell> patched;
         for (int j = main.mirror_row; j < cells; ++j) {
             for (int i = 0; i < cells; ++i) {
-                CellUse use = UseOf(main, i, j);
+                CellUse use = UseOf(main, i, j, roughness);
                 if (use == CellUse::kPatched) {
                     if (patched.size() < kMostPatches) {
-                        patched.push_back({i, j});
+                        patched.push_back({i, j, PatchCells(main, i, j, roughness)});
                     } else {
                         use = LeftAsItIs(main, i, j);
                     }
@@ -112,7 +110,17 @@ class Builder {
         }
     }
 
-    CellUse UseOf(const RawGrid& main, int i, int j) {
+    // Half as many a side where the cell is but a little too rough.
+    int PatchCells(const RawGrid& main, int i, int j, GridRoughness& roughness) const {
+        for (const std::size_t ray : main.CornersOf(i, j)) {
+            if (main.rays->state[ray] != VertexState::kAlive) return spec_.patch_cells;
+        }
+        const bool half = spec_.patch_cells % 2 == 0 && spec_.patch_cells >= 8 &&
+                          roughness.Worst(i, j) < Roughness::kVery;
+        return half ? spec_.patch_cells / 2 : spec_.patch_cells;
+    }
+
+    CellUse UseOf(const RawGrid& main, int i, int j, GridRoughness& roughness) const {
         const CellCorners corners = main.CornersOf(i, j);
         int living = 0;
         bool dead_inside = false;
@@ -120,9 +128,9 @@ class Builder {
             living += main.rays->state[ray] == VertexState::kAlive ? 1 : 0;
             dead_inside = dead_inside || main.rays->state[ray] == VertexState::kDead;
         }
-        const bool patch =
-            living == 4 ? NearestRatio2(main, corners) < kNearlyPasses && RoughCell(main, i, j)
-                        : MayPassInPart(main, corners, living, dead_inside);
+        const bool patch = living == 4 ? NearestRatio2(main, corners) < kNearlyPasses &&
+                                             roughness.Worst(i, j) > Roughness::kSmooth
+                                       : MayPassInPart(main, corners, living, dead_inside);
         return patch ? CellUse::kPatched : LeftAsItIs(main, i, j);
     }
 
@@ -133,9 +141,6 @@ class Builder {
         }
         return OutsideARim(main, corners) ? CellUse::kOutside : CellUse::kUsed;
     }
-
-    // A ratio^2 as it is stored, see GhostMesh.
-    static double RimField(double ratio2) { return (ratio2 - 1.0) / (ratio2 + 1.0); }
 
     // All four corners beyond one rim, and so far beyond that the cell's middle is too.
     bool OutsideARim(const RawGrid& raw, const CellCorners& corners) const {
@@ -166,128 +171,6 @@ class Builder {
         // Every dead corner had left the rims; the cell matters only if a living one has not, or
         // nearly has not.
         return NearestRatio2(raw, corners) < kNearlyPasses;
-    }
-
-    // Is cubic interpolation not good enough at some corner of the cell?
-    bool RoughCell(const RawGrid& main, int i, int j) {
-        for (const int k : {0, 1}) {
-            for (const int l : {0, 1}) {
-                if (RoughAt(main, i + k, j + l, 0) || RoughAt(main, i + k, j + l, 1)) return true;
-            }
-        }
-        return false;
-    }
-
-    // A vertex is a corner of four cells.
-    bool RoughAt(const RawGrid& main, int i, int j, std::size_t direction) {
-        if (judged_.empty()) judged_.assign(2 * main.grid.Vertex(0, main.grid.nv), 0);
-        std::uint8_t& judged = judged_[2 * main.grid.Vertex(i, j) + direction];
-        if (judged == 0) {
-            judged = Rough(main, i, j, direction == 0 ? 1 : 0, direction == 0 ? 0 : 1) ? 2 : 1;
-        }
-        return judged == 2;
-    }
-
-    // Predicts the middle one of five values from two neighbours on each side. The miss is h^4
-    // f/6; a cubic through the values is wrong by at most 3/128 h^4 f between them, 0.14
-    // times that.
-    static double Miss(const std::array<double, 5>& f) {
-        constexpr double kShare = 0.14;
-        return kShare * std::abs(f[2] - (4.0 * (f[1] + f[3]) - f[0] - f[4]) / 6.0);
-    }
-
-    // Five rays in a row along one direction, and how x and y of each count: those of mirror images
-    // have one of them turned round.
-    struct Stencil {
-        std::array<std::size_t, 5> ray{};
-        std::array<bool, 5> mirrored{};
-    };
-
-    // At a vertex, along one direction.
-    bool Rough(const RawGrid& raw, int i, int j, int di, int dj) const {
-        const int n = raw.grid.nu - 1;
-        if (i - 2 * di < 0 || j - 2 * dj < 0 || i + 2 * di > n || j + 2 * dj > n) return false;
-        Stencil at;
-        for (int k = -2; k <= 2; ++k) {
-            const auto m = static_cast<std::size_t>(k + 2);
-            at.ray[m] = raw.Ray(i + k * di, j + k * dj);
-            at.mirrored[m] = j + k * dj < raw.mirror_row;
-        }
-        // Next to dead rays slopes are of lower order; only close to them does that show.
-        const std::vector<VertexState>& state = raw.rays->state;
-        if (state[at.ray[1]] != VertexState::kAlive || state[at.ray[3]] != VertexState::kAlive)
-            return true;
-        if (state[at.ray[0]] != VertexState::kAlive || state[at.ray[4]] != VertexState::kAlive)
-            return false;
-        const TraceColumns& node = raw.rays->nodes[raw.rays->nodes.size() / 2];
-        return RoughPlace(node, at) || RoughStop(node, at) || RoughMasks(node, at);
-    }
-
-    // Column x or y, 0 or 1, over the stencil.
-    std::array<double, 5> Values(const float* column, std::size_t axis, const Stencil& at) const {
-        std::array<double, 5> out{};
-        for (std::size_t k = 0; k < 5; ++k) {
-            const auto value = static_cast<double>(column[at.ray[k]]);
-            out[k] = at.mirrored[k] && axis == tracer_.mirrored_axis() ? -value : value;
-        }
-        return out;
-    }
-
-    // On the sensor where it stands at infinity, so that the mesh is the same for every focus.
-    bool RoughPlace(const TraceColumns& node, const Stencil& at) const {
-        std::array<std::array<double, 5>, 2> place{};
-        for (const std::size_t axis : {0U, 1U}) {
-            place[axis] = Values(axis == 0 ? node.exit_x.data() : node.exit_y.data(), axis, at);
-            const std::array<double, 5> slope =
-                Values(axis == 0 ? node.slope_x.data() : node.slope_y.data(), axis, at);
-            for (std::size_t k = 0; k < 5; ++k) place[axis][k] += sensor_gap_mm_ * slope[k];
-        }
-        const double miss = std::max(Miss(place[0]), Miss(place[1]));
-        const double tolerance = spec_.position_tolerance_mm;
-        if (miss <= tolerance) return false;
-        // The nearest that the stretch between the neighbours comes to the axis.
-        std::array<double, 2> nearest{};
-        for (std::size_t axis = 0; axis < 2; ++axis) {
-            const std::array<double, 5>& p = place[axis];
-            const auto [lo, hi] = std::minmax({p[1], p[2], p[3]});
-            nearest[axis] = std::max({lo, -hi, 0.0});
-        }
-        return miss > tolerance * FarScale(std::hypot(nearest[0], nearest[1]));
-    }
-
-    bool RoughStop(const TraceColumns& node, const Stencil& at) const {
-        const double tolerance = spec_.mask_tolerance * stop_semi_diameter_mm_;
-        for (std::size_t c = 0; c < tracer_.crossings(); ++c) {
-            if (Miss(Values(&node.stop_x[c * node.stride], 0, at)) > tolerance ||
-                Miss(Values(&node.stop_y[c * node.stride], 1, at)) > tolerance) {
-                return true;
-            }
-        }
-        return false;
-    }
-
-    bool RoughMasks(const TraceColumns& node, const Stencil& at) const {
-        for (std::size_t s = 0; s < tracer_.steps(); ++s) {
-            const float* const ratio2 = &node.rim_ratio2[s * node.stride];
-            // Only near the rim does its field matter.
-            if (ratio2[at.ray[2]] > 1.0F / 3.0F && ratio2[at.ray[2]] < 3.0F) {
-                std::array<double, 5> rim{};
-                for (std::size_t k = 0; k < 5; ++k) {
-                    rim[k] = RimField(static_cast<double>(ratio2[at.ray[k]]));
-                }
-                if (Miss(rim) > spec_.mask_tolerance) return true;
-            }
-            // Transmittances follow the cosines steeply near the critical angle, and are
-            // interpolated linearly.
-            const float* const c2 = &node.rare_cos2[s * node.stride];
-            const auto middle = static_cast<double>(c2[at.ray[2]]);
-            if (std::abs(middle) < kNearCritical &&
-                std::abs(static_cast<double>(c2[at.ray[1]]) - 2.0 * middle +
-                         static_cast<double>(c2[at.ray[3]])) > spec_.cosine_tolerance * 8.0) {
-                return true;
-            }
-        }
-        return false;
     }
 
     static double NearestRatio2(const RawGrid& raw, const CellCorners& corners) {
@@ -429,11 +312,10 @@ class Builder {
     }
 
     const MeshSpec& spec_;
+    const Lens& lens_;
     GridTracer tracer_;
-    double stop_semi_diameter_mm_ = 0.0;
     double sensor_gap_mm_;
-    std::vector<RawGrid> raw_;          // the main grid, then patches
-    std::vector<std::uint8_t> judged_;  // [vertex of the main grid][direction]: 1 smooth, 2 rough
+    std::vector<RawGrid> raw_;  // the main grid, then patches
     GhostMesh mesh_;
 };
 

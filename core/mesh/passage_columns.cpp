@@ -23,7 +23,7 @@ HWY_EXPORT(MultiplyFits);
 namespace {
 
 // Of a factor, relative to its largest value over the range.
-constexpr double kFitError = 2e-6;
+constexpr double kFitError = 1e-5;
 
 // Squared cosines that come lower than this are next to the critical angle.
 constexpr double kCritical = 1e-3;
@@ -39,8 +39,15 @@ using Values = std::array<double, kPoints>;
 struct Interpolation {
     Values at{};
     std::array<Values, kPoints> terms{};  // [term][point]
+    // Some of the places where a polynomial is farthest off: extremes of the next Chebyshev
+    // polynomial.
+    std::array<double, kPoints / 2 + 2> checks{};
 
     Interpolation() {
+        for (std::size_t k = 0; k < checks.size(); ++k) {
+            const std::size_t extreme = std::min(2 * k, kPoints);
+            checks[k] = std::cos(kPi * static_cast<double>(extreme) / static_cast<double>(kPoints));
+        }
         constexpr auto n = static_cast<double>(kPoints);
         // T_0, T_1, ... by their terms.
         std::array<Values, kPoints> chebyshev{};
@@ -135,10 +142,9 @@ bool PathInColumns::Choose(std::size_t band, std::size_t step, double lo, double
                 terms[t] += interpolation.terms[t][k] * samples[k];
             }
         }
-        // Where the polynomial is farthest off: the extremes of the next Chebyshev polynomial.
         bool good = true;
-        for (std::size_t k = 0; k <= kPoints && good; ++k) {
-            const double x = std::cos(kPi * static_cast<double>(k) / static_cast<double>(kPoints));
+        for (std::size_t k = 0; k < interpolation.checks.size() && good; ++k) {
+            const double x = interpolation.checks[k];
             double sum = 0.0;
             for (std::size_t t = kPoints; t-- > 0;) sum = sum * x + terms[t];
             good = std::abs(sum - exact(x)) <= kFitError * largest;

@@ -2,7 +2,7 @@
 //
 // What a ghost's path lets through, for many rays at once: TransmissionTables::Path in SIMD
 // (Highway). Over the squared cosines that a ghost's rays have at an interaction, a narrow range,
-// its factor at each wavelength is a polynomial of fourth degree in the squared cosine or in the
+// its factor at each wavelength is a polynomial of sixth degree in the squared cosine or in the
 // cosine; where neither holds, as about the critical angle, the path itself is asked. The product
 // is within 1e-5 of the path's, relative to the largest over the ghost, a factor.
 //
@@ -49,7 +49,7 @@ class PathInColumns {
     // Interactions and bands whose factor no polynomial is good enough for.
     std::size_t asked() const;
 
-    static constexpr std::size_t kTerms = 5;
+    static constexpr std::size_t kTerms = 7;
 
     // The factor of one interaction at one band.
     struct Fit {

@@ -48,6 +48,24 @@ void Allocate(std::size_t rays, std::size_t steps, std::size_t crossings, std::s
     out.segment_mm.assign(rays * segments, 0.0F);
 }
 
+// Columns are large and needed again by the thread's next ghost; fresh ones cost as much in pages
+// as the tracing itself.
+std::vector<TraceColumns>& SpareColumns() {
+    thread_local std::vector<TraceColumns> spare;
+    return spare;
+}
+
+void Recycle(TracedRays* rays) {
+    constexpr std::size_t kMostSpare = 8;
+    constexpr std::size_t kLargestSpare = std::size_t{1} << 20;  // floats in a column
+    for (TraceColumns& node : rays->nodes) {
+        if (SpareColumns().size() < kMostSpare && node.rim_ratio2.capacity() < kLargestSpare) {
+            SpareColumns().push_back(std::move(node));
+        }
+    }
+    delete rays;
+}
+
 }  // namespace
 
 GridTracer::GridTracer(const Lens& lens, const MeshSpec& spec, MeshArithmetic arithmetic)
@@ -86,11 +104,11 @@ RawGrid GridTracer::MainGrid(const Rect& rect, int cells) {
 }
 
 std::vector<RawGrid> GridTracer::Patches(const MeshGrid& main,
-                                         const std::vector<CellIndex>& cells) {
-    const int n = spec_.patch_cells;
+                                         const std::vector<PatchedCell>& cells) {
     std::vector<RawGrid> patches;
     std::vector<Vec2d> pupil;
-    for (const CellIndex& cell : cells) {
+    for (const PatchedCell& cell : cells) {
+        const int n = cell.cells;
         RawGrid& raw = patches.emplace_back();
         raw.first = pupil.size();
         MeshGrid& grid = raw.grid;
@@ -109,6 +127,7 @@ std::vector<RawGrid> GridTracer::Patches(const MeshGrid& main,
     const std::shared_ptr<const TracedRays> rays = Trace(pupil);
     for (RawGrid& raw : patches) {
         raw.rays = rays;
+        const int n = raw.grid.nu - 1;
         int dead = 0;
         for (int j = 0; j < n; ++j) {
             for (int i = 0; i < n; ++i) {
@@ -128,8 +147,13 @@ std::vector<RawGrid> GridTracer::Patches(const MeshGrid& main,
 }
 
 std::shared_ptr<const TracedRays> GridTracer::Trace(const std::vector<Vec2d>& pupil) {
-    const auto rays = std::make_shared<TracedRays>();
+    const std::shared_ptr<TracedRays> rays(new TracedRays, Recycle);
     rays->nodes.resize(lists_.size());
+    for (TraceColumns& node : rays->nodes) {
+        if (SpareColumns().empty()) break;
+        node = std::move(SpareColumns().back());
+        SpareColumns().pop_back();
+    }
     if (arithmetic_ == MeshArithmetic::kDouble) {
         for (std::size_t k = 0; k < lists_.size(); ++k) TraceOneByOne(k, pupil, rays->nodes[k]);
     } else {

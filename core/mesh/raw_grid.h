@@ -54,6 +54,11 @@ struct CellIndex {
     int i = 0, j = 0;
 };
 
+// A cell of the main grid that a finer grid stands in for, and how many cells a side that has.
+struct PatchedCell {
+    int i = 0, j = 0, cells = 0;
+};
+
 // By how much more a place on the sensor may be off if it lies this far from the axis: 1 within any
 // picture and its surroundings, growing with the square of the distance beyond, where nobody looks.
 inline double FarScale(double distance_mm) {
@@ -70,7 +75,7 @@ class GridTracer {
     // Over the pass region and a little beyond, `cells` (even) a side; its cells' use is left open.
     RawGrid MainGrid(const Rect& rect, int cells);
     // The finer grids of these cells of the main grid, their cells put to use where rays live.
-    std::vector<RawGrid> Patches(const MeshGrid& main, const std::vector<CellIndex>& cells);
+    std::vector<RawGrid> Patches(const MeshGrid& main, const std::vector<PatchedCell>& cells);
 
     // How far the sensor places of a sample of a main grid's passing rays lie from the reference's,
     // at the middle wavelength, at most, mm; far places count by
