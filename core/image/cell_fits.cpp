@@ -91,13 +91,14 @@ PolynomialJet JetOf(const CellPolynomial& p, float a, float b) {
             (3.0F * row[3] * b + 2.0F * row[2]) * b + row[1]};
 }
 
-MaskFields MasksOf(const GhostLight& ghost, const Iris& iris) {
-    const GhostMesh& mesh = ghost.surface->mesh();
+MaskFields MasksOf(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
+                   const Iris& iris) {
+    const GhostMesh& mesh = surface.mesh();
     std::vector<bool> stop(static_cast<std::size_t>(mesh.stop_crossings), false);
     std::vector<bool> rim(mesh.rims.size(), false);
     const double inner2 = iris.inner_radius() * iris.inner_radius() * 0.98;
-    for (const GhostLight::Cell& cell : ghost.cells) {
-        if (cell.ring || cell.open) continue;
+    for (const GhostLight::Cell& cell : cells) {
+        if (cell.open) continue;
         const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(cell.place.grid)];
         const auto stored = static_cast<std::size_t>(mesh.stored_count());
         for (int corner = 0; corner < 4; ++corner) {
@@ -126,8 +127,8 @@ MaskFields MasksOf(const GhostLight& ghost, const Iris& iris) {
     return masks;
 }
 
-std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map,
-                                 const MaskFields& masks) {
+std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map) {
+    const MaskFields& masks = ghost.masks;
     const GhostSurface& surface = *ghost.surface;
     const GhostMesh& mesh = surface.mesh();
     std::vector<FittedCell> cells;
@@ -135,7 +136,7 @@ std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map,
     CellSurface nets;
     for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
         const GhostLight::Cell& from = ghost.cells[n];
-        if (!from.wanted || surface.UseOf(from.place) == CellUse::kTriangle) continue;
+        if (surface.UseOf(from.place) == CellUse::kTriangle) continue;
         FittedCell& cell = cells.emplace_back();
         cell.cell = static_cast<int>(n);
         cell.ring = from.ring;

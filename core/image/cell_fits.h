@@ -18,15 +18,6 @@ struct PixelBox {
     void Join(const PixelBox& other);
 };
 
-// A mask field of a ghost: a coordinate at a stop crossing, or a rim.
-struct MaskFields {
-    std::vector<int> crossings;  // of the stop: two fields each, in camera coordinates
-    std::vector<int> rims;       // one field each, after all crossings
-    int count() const {
-        return 2 * static_cast<int>(crossings.size()) + static_cast<int>(rims.size());
-    }
-};
-
 struct FittedCell {
     int cell = 0;  // index in GhostLight::cells
     bool ring = false;
@@ -36,11 +27,11 @@ struct FittedCell {
     std::array<bool, 2> on_sheet{};  // positive, negative Jacobian: at any wavelength
 };
 
-// The masks that cut the ghost anywhere.
-MaskFields MasksOf(const GhostLight& ghost, const Iris& iris);
+// The masks that cut any of the cells, which are all that the iris lets pass.
+MaskFields MasksOf(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
+                   const Iris& iris);
 
-std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map,
-                                 const MaskFields& masks);
+std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map);
 
 // Value and slopes of a polynomial.
 struct PolynomialJet {

@@ -140,13 +140,13 @@ class Tiler {
           window_(window),
           tolerance_(tolerance),
           unit_(unit),
-          mesh_(ghost.surface->mesh()) {}
+          mesh_(ghost.surface->mesh()),
+          masks_(ghost.masks) {}
 
     GhostTiles Run() {
-        masks_ = MasksOf(ghost_, iris_);
         const bool polygons = masks_.count() > kTileFields || iris_.edge_count() > kMostIrisEdges;
         if (!polygons) {
-            cells_ = FitCells(ghost_, map_, masks_);
+            cells_ = FitCells(ghost_, map_);
             LightOfNodes();
         }
         const TileBox all = Bounds();
@@ -260,7 +260,7 @@ class Tiler {
             for (std::size_t k = 0; k < kTraced; ++k) SolveCell(cell, k);
         }
         for (const GhostLight::Cell& cell : ghost_.cells) {
-            if (cell.ring || !cell.wanted) continue;
+            if (cell.ring) continue;
             if (ghost_.surface->UseOf(cell.place) == CellUse::kTriangle)
                 level_.Mark(level_.bad, BoxOf(cell));
         }
@@ -815,7 +815,7 @@ class Tiler {
     double unit_;
     double scale_ = 1.0;  // of the light that floats stand for here: a power of two
     const GhostMesh& mesh_;
-    MaskFields masks_;
+    const MaskFields& masks_;
     std::vector<FittedCell> cells_;
     std::array<std::vector<float>, kTraced + 1> light_;  // laid out as GhostLight::Band::light
     Level level_;

@@ -40,6 +40,15 @@ struct WalkTolerance {
     double mask_step = 0.06;  // length of a piece at a mask's edge, in units of its radius
 };
 
+// The masks that cut a ghost anywhere, and the fields that tell of them.
+struct MaskFields {
+    std::vector<int> crossings;  // of the stop: two fields each, in camera coordinates
+    std::vector<int> rims;       // one field each, after all crossings
+    int count() const {
+        return 2 * static_cast<int>(crossings.size()) + static_cast<int>(rims.size());
+    }
+};
+
 // A prepared ghost: surface and light. Shared read-only by all threads.
 struct GhostLight {
     std::shared_ptr<const GhostSurface> surface;
@@ -53,11 +62,12 @@ struct GhostLight {
         double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;  // what of the picture it may touch
         bool open = false;          // no mask cuts it at any drawn wavelength
         bool ring = false;          // around the cells that are drawn: for interpolation only
-        bool wanted = true;         // may touch the tiles of the window
         int light_cuts = 1;
         std::size_t light_at = 0;
     };
     std::vector<Cell> cells;
+
+    MaskFields masks;  // for tiles
 
     // Drawn wavelengths: the weights of the traced nodes and the light per du dv (irradiance,
     // transmittance and colour multiplied).

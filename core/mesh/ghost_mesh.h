@@ -67,6 +67,7 @@ struct GhostMesh {
     // Empty if nothing passes.
     std::vector<MeshGrid> grids;
 
+    bool in_doubles = false;  // traced one ray at a time by the reference
     std::uint64_t rays_traced = 0;
     std::uint64_t ray_surfaces = 0;
 

@@ -2,33 +2,56 @@
 #include "core/mesh/ghost_surface.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
 
 namespace flare {
 namespace {
 
-// Slope at index i of samples f along a line, per step, with the widest centred stencil whose
-// samples are alive: fourth order, second order, one-sided second order, first order, none.
-template <class Value, class Alive>
-double SlopeAt(int i, int count, Value f, Alive alive) {
+// The slope at one sample of a line, per step: weights of the samples two before it to two behind
+// it.
+using Stencil = std::array<float, 5>;
+
+// With the widest centred stencil whose samples are alive: fourth order, second order, one-sided
+// second order, first order, none.
+template <class Alive>
+Stencil StencilAt(int i, int count, Alive alive) {
     const auto lives = [&](int k) { return k >= 0 && k < count && alive(k); };
     const bool m1 = lives(i - 1);
     const bool p1 = lives(i + 1);
     if (m1 && p1) {
         if (lives(i - 2) && lives(i + 2)) {
-            return (8.0 * (f(i + 1) - f(i - 1)) - (f(i + 2) - f(i - 2))) / 12.0;
+            return {1.0F / 12.0F, -8.0F / 12.0F, 0.0F, 8.0F / 12.0F, -1.0F / 12.0F};
         }
-        return 0.5 * (f(i + 1) - f(i - 1));
+        return {0.0F, -0.5F, 0.0F, 0.5F, 0.0F};
     }
     if (p1) {
-        if (lives(i + 2)) return -1.5 * f(i) + 2.0 * f(i + 1) - 0.5 * f(i + 2);
-        return f(i + 1) - f(i);
+        if (lives(i + 2)) return {0.0F, 0.0F, -1.5F, 2.0F, -0.5F};
+        return {0.0F, 0.0F, -1.0F, 1.0F, 0.0F};
     }
     if (m1) {
-        if (lives(i - 2)) return 1.5 * f(i) - 2.0 * f(i - 1) + 0.5 * f(i - 2);
-        return f(i) - f(i - 1);
+        if (lives(i - 2)) return {0.5F, -2.0F, 1.5F, 0.0F, 0.0F};
+        return {0.0F, -1.0F, 1.0F, 0.0F, 0.0F};
     }
-    return 0.0;
+    return {};
 }
+
+// Adds up samples that lie `step` apart, several fields at once: `at` is the sample in the middle.
+void Apply(const Stencil& stencil, const float* at, std::ptrdiff_t step, std::size_t fields,
+           float* out) {
+    std::fill_n(out, fields, 0.0F);
+    for (std::ptrdiff_t k = -2; k <= 2; ++k) {
+        const float weight = stencil[static_cast<std::size_t>(k + 2)];
+        if (weight == 0.0F) continue;
+        const float* const sample = at + k * step;
+        for (std::size_t f = 0; f < fields; ++f) out[f] += weight * sample[f];
+    }
+}
+
+// Which vertices have which derivatives taken: of all corners of cells du and dv; du of their
+// neighbours too, whence duv.
+enum Wanted : std::uint8_t { kNothing = 0, kDu = 1, kCorner = 2 };
 
 // Bezier control values from values and slopes at the four corners: [corner][value, du, dv, duv].
 void NetFromJets(const std::array<std::array<double, 4>, 4>& jets, BezierNet& net) {
@@ -64,55 +87,111 @@ void FillBilinear(std::array<std::array<double, 4>, 4>& jets) {
 
 }  // namespace
 
-GhostSurface::GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm)
+GhostSurface::GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm,
+                           double iris_radius_mm)
     : mesh_(std::move(mesh)), sensor_gap_mm_(sensor_gap_mm) {
-    for (std::size_t g = 0; g < mesh_->grids.size(); ++g) {
-        const MeshGrid& grid = mesh_->grids[g];
-        for (int j = 0; j + 1 < grid.nv; ++j) {
-            for (int i = 0; i + 1 < grid.nu; ++i) {
-                const CellUse use = grid.cells[grid.Cell(i, j)];
-                if (use == CellUse::kUsed || use == CellUse::kTriangle) {
-                    cells_.push_back({static_cast<int>(g), i, j});
-                }
-            }
-        }
-    }
+    for (std::size_t g = 0; g < mesh_->grids.size(); ++g)
+        AddCells(static_cast<int>(g), iris_radius_mm);
     slopes_.resize(mesh_->grids.size());
+    std::vector<std::vector<std::uint8_t>> corners = Corners();
     for (std::size_t g = 0; g < mesh_->grids.size(); ++g) {
-        if (mesh_->grids[g].smooth) AddSlopes(mesh_->grids[g], slopes_[g]);
+        if (mesh_->grids[g].smooth && !corners[g].empty())
+            AddSlopes(mesh_->grids[g], corners[g], slopes_[g]);
     }
 }
 
-void GhostSurface::AddSlopes(const MeshGrid& grid, GridSlopes& out) const {
+std::vector<std::vector<std::uint8_t>> GhostSurface::Corners() const {
+    std::vector<std::vector<std::uint8_t>> corners(mesh_->grids.size());
+    const auto add = [&](std::size_t g, int i, int j) {
+        const MeshGrid& grid = mesh_->grids[g];
+        if (corners[g].empty()) corners[g].assign(grid.alive.size(), 0);
+        for (int y = std::max(0, j - 1); y <= std::min(grid.nv - 1, j + 2); ++y) {
+            for (int x = std::max(0, i - 1); x <= std::min(grid.nu - 1, i + 2); ++x)
+                corners[g][grid.Vertex(x, y)] = 1;
+        }
+    };
+    for (const CellPlace& cell : cells_) {
+        const auto g = static_cast<std::size_t>(cell.grid);
+        if (g == 0) {
+            add(0, cell.i, cell.j);
+            continue;
+        }
+        // All of a patch, and around the cell that it stands in.
+        if (!corners[g].empty()) continue;
+        const MeshGrid& patch = mesh_->grids[g];
+        const MeshGrid& grid = mesh_->grids.front();
+        corners[g].assign(patch.alive.size(), 1);
+        add(0, static_cast<int>(std::lround((patch.u0 - grid.u0) / grid.du)),
+            static_cast<int>(std::lround((patch.v0 - grid.v0) / grid.dv)));
+    }
+    return corners;
+}
+
+void GhostSurface::AddCells(int g, double iris_radius_mm) {
+    const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(g)];
+    if (g > 0 && GridFarOutside(grid, iris_radius_mm)) return;
+    for (int j = 0; j + 1 < grid.nv; ++j) {
+        for (int i = 0; i + 1 < grid.nu; ++i) {
+            const CellUse use = grid.cells[grid.Cell(i, j)];
+            if (use != CellUse::kUsed && use != CellUse::kTriangle) continue;
+            if (!FarOutsideStop({g, i, j}, iris_radius_mm)) cells_.push_back({g, i, j});
+        }
+    }
+}
+
+bool GhostSurface::GridFarOutside(const MeshGrid& grid, double radius_mm) const {
+    if (!grid.smooth) return false;
+    std::vector<std::size_t> vertices(grid.alive.size());
+    std::iota(vertices.begin(), vertices.end(), std::size_t{0});
+    return FarOutside(grid, vertices, radius_mm);
+}
+
+void GhostSurface::AddSlopes(const MeshGrid& grid, const std::vector<std::uint8_t>& corners,
+                             GridSlopes& out) const {
     const auto fields = static_cast<std::size_t>(mesh_->field_count());
     const std::size_t vertices = grid.alive.size();
+    std::vector<std::uint8_t> wanted(vertices, kNothing);
+    for (int j = 0; j < grid.nv; ++j) {
+        for (int i = 0; i < grid.nu; ++i) {
+            if (corners[grid.Vertex(i, j)] == 0) continue;
+            wanted[grid.Vertex(i, j)] |= kCorner;
+            for (int k = std::max(0, j - 2); k <= std::min(grid.nv - 1, j + 2); ++k) {
+                wanted[grid.Vertex(i, k)] |= kDu;
+            }
+        }
+    }
+    const auto row = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(grid.nu) * fields);
+    const auto stencils_at = [&](int i, int j) {
+        return std::array{
+            StencilAt(i, grid.nu, [&](int k) { return grid.alive[grid.Vertex(k, j)] != 0; }),
+            StencilAt(j, grid.nv, [&](int k) { return grid.alive[grid.Vertex(i, k)] != 0; })};
+    };
+    std::vector<float> values(vertices * fields), du(vertices * fields), dv(fields), duv(fields);
     for (const MeshNode& node : grid.nodes) {
+        for (std::size_t v = 0; v < vertices; ++v) {
+            for (std::size_t f = 0; f < fields; ++f)
+                values[v * fields + f] = static_cast<float>(Value(node, v, f));
+        }
         std::vector<std::array<float, 3>> slopes(vertices * fields, {0.0F, 0.0F, 0.0F});
-        // Two passes: du and dv of the values, then dv of du.
+        // Two passes: du, then dv and with it duv.
         for (int pass = 0; pass < 2; ++pass) {
             for (int j = 0; j < grid.nv; ++j) {
                 for (int i = 0; i < grid.nu; ++i) {
-                    if (grid.alive[grid.Vertex(i, j)] == 0) continue;
-                    const auto alive_u = [&](int k) { return grid.alive[grid.Vertex(k, j)] != 0; };
-                    const auto alive_v = [&](int k) { return grid.alive[grid.Vertex(i, k)] != 0; };
-                    for (std::size_t f = 0; f < fields; ++f) {
-                        auto& slope = slopes[grid.Vertex(i, j) * fields + f];
-                        const auto along_u = [&](int k) {
-                            return Value(node, grid.Vertex(k, j), f);
-                        };
-                        const auto along_v = [&](int k) {
-                            return Value(node, grid.Vertex(i, k), f);
-                        };
-                        const auto du_along_v = [&](int k) {
-                            return static_cast<double>(slopes[grid.Vertex(i, k) * fields + f][0]);
-                        };
-                        if (pass == 0) {
-                            slope[0] = static_cast<float>(SlopeAt(i, grid.nu, along_u, alive_u));
-                            slope[1] = static_cast<float>(SlopeAt(j, grid.nv, along_v, alive_v));
-                        } else {
-                            slope[2] = static_cast<float>(SlopeAt(j, grid.nv, du_along_v, alive_v));
-                        }
+                    const std::size_t v = grid.Vertex(i, j);
+                    if (grid.alive[v] == 0 || wanted[v] == kNothing) continue;
+                    const bool corner = (wanted[v] & kCorner) != 0;
+                    if (pass == 1 && !corner) continue;
+                    const auto [along_u, along_v] = stencils_at(i, j);
+                    const std::size_t at = v * fields;
+                    if (pass == 0) {
+                        Apply(along_u, &values[at], static_cast<std::ptrdiff_t>(fields), fields,
+                              &du[at]);
+                        continue;
                     }
+                    Apply(along_v, &values[at], row, fields, dv.data());
+                    Apply(along_v, &du[at], row, fields, duv.data());
+                    for (std::size_t f = 0; f < fields; ++f)
+                        slopes[at + f] = {du[at + f], dv[f], duv[f]};
                 }
             }
         }
@@ -144,28 +223,35 @@ int GhostSurface::DeadCorner(const CellPlace& cell) const {
 bool GhostSurface::FarOutsideStop(const CellPlace& cell, double radius_mm) const {
     const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(cell.grid)];
     if (UseOf(cell) == CellUse::kTriangle) return false;
+    return FarOutside(
+        grid,
+        std::array{grid.Vertex(cell.i, cell.j), grid.Vertex(cell.i + 1, cell.j),
+                   grid.Vertex(cell.i, cell.j + 1), grid.Vertex(cell.i + 1, cell.j + 1)},
+        radius_mm);
+}
+
+bool GhostSurface::FarOutside(const MeshGrid& grid, std::span<const std::size_t> vertices,
+                              double radius_mm) const {
     const auto fields = static_cast<std::size_t>(mesh_->stored_count());
     for (int crossing = 0; crossing < mesh_->stop_crossings; ++crossing) {
+        const auto stop = static_cast<std::size_t>(mesh_->stop_field(crossing));
         bool outside = true;
         for (const MeshNode& node : grid.nodes) {
-            double lo[2] = {1e30, 1e30};
-            double hi[2] = {-1e30, -1e30};
-            for (int corner = 0; corner < 4; ++corner) {
-                const std::size_t v = grid.Vertex(cell.i + corner % 2, cell.j + corner / 2);
-                for (std::size_t axis = 0; axis < 2; ++axis) {
-                    const double p = static_cast<double>(
-                        node.fields[v * fields +
-                                    static_cast<std::size_t>(mesh_->stop_field(crossing)) + axis]);
-                    lo[axis] = std::min(lo[axis], p);
-                    hi[axis] = std::max(hi[axis], p);
-                }
+            Vec2d lo(1e300), hi(-1e300);
+            for (const std::size_t v : vertices) {
+                const float* const at = &node.fields[v * fields + stop];
+                const Vec2d p(static_cast<double>(at[0]), static_cast<double>(at[1]));
+                outside = outside && p.dot(p) > radius_mm * radius_mm;
+                lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+                hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
             }
+            if (!outside) break;
             // The surface bulges out of its corners' box by less than the box's size.
-            const double mx = hi[0] - lo[0];
-            const double my = hi[1] - lo[1];
-            const double dx = std::max({lo[0] - mx, -hi[0] - mx, 0.0});
-            const double dy = std::max({lo[1] - my, -hi[1] - my, 0.0});
-            outside = outside && dx * dx + dy * dy > radius_mm * radius_mm;
+            const Vec2d margin = hi - lo;
+            const double dx = std::max({lo.x - margin.x, -hi.x - margin.x, 0.0});
+            const double dy = std::max({lo.y - margin.y, -hi.y - margin.y, 0.0});
+            outside = dx * dx + dy * dy > radius_mm * radius_mm;
+            if (!outside) break;
         }
         if (outside) return true;
     }
@@ -176,22 +262,37 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
                             int first, int end, CellSurface& out) const {
     const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(cell.grid)];
     const auto fields = static_cast<std::size_t>(mesh_->field_count());
+    const auto stored = static_cast<std::size_t>(mesh_->stored_count());
+    const auto from = static_cast<std::size_t>(first);
+    const auto count = static_cast<std::size_t>(end) - from;
     const int dead = UseOf(cell) == CellUse::kTriangle ? DeadCorner(cell) : -1;
     out.nets.resize(fields);
-    for (auto f = static_cast<std::size_t>(first); f < static_cast<std::size_t>(end); ++f) {
+    out.jets.assign(16 * count, 0.0);  // [corner][value, du, dv, duv][field]
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::size_t vertex = grid.Vertex(cell.i + static_cast<int>(corner % 2),
+                                               cell.j + static_cast<int>(corner / 2));
+        double* const jet = &out.jets[corner * 4 * count];
+        for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
+            const double w = node_weights[k];
+            const float* const at = &grid.nodes[k].fields[vertex * stored];
+            for (std::size_t f = 0; f < count; ++f) jet[f] += w * static_cast<double>(at[from + f]);
+            // Those of the sensor taken to where it stands.
+            for (std::size_t f = from; f < std::min<std::size_t>(2, from + count); ++f)
+                jet[f - from] += w * sensor_gap_mm_ * static_cast<double>(at[fields + f]);
+            if (!grid.smooth) continue;
+            const std::array<float, 3>* const slope =
+                &slopes_[static_cast<std::size_t>(cell.grid)][k][vertex * fields + from];
+            for (std::size_t f = 0; f < count; ++f) {
+                for (std::size_t d = 0; d < 3; ++d)
+                    jet[(d + 1) * count + f] += w * static_cast<double>(slope[f][d]);
+            }
+        }
+    }
+    for (std::size_t f = 0; f < count; ++f) {
         std::array<std::array<double, 4>, 4> jets{};
         for (std::size_t corner = 0; corner < 4; ++corner) {
-            const std::size_t vertex = grid.Vertex(cell.i + static_cast<int>(corner % 2),
-                                                   cell.j + static_cast<int>(corner / 2));
-            for (std::size_t k = 0; k < grid.nodes.size(); ++k) {
-                const double w = node_weights[k];
-                jets[corner][0] += w * Value(grid.nodes[k], vertex, f);
-                if (!grid.smooth) continue;
-                const auto& slope =
-                    slopes_[static_cast<std::size_t>(cell.grid)][k][vertex * fields + f];
-                for (std::size_t d = 0; d < 3; ++d)
-                    jets[corner][d + 1] += w * static_cast<double>(slope[d]);
-            }
+            for (std::size_t d = 0; d < 4; ++d)
+                jets[corner][d] = out.jets[(corner * 4 + d) * count + f];
         }
         if (!grid.smooth) {
             if (dead >= 0) {
@@ -201,7 +302,7 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
             }
             FillBilinear(jets);
         }
-        NetFromJets(jets, out.nets[f]);
+        NetFromJets(jets, out.nets[from + f]);
     }
 }
 

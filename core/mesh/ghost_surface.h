@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/mesh/ghost_mesh.h"
@@ -22,6 +23,7 @@ using BezierNet = std::array<double, 16>;
 // One cell at one wavelength: a net a field.
 struct CellSurface {
     std::vector<BezierNet> nets;
+    std::vector<double> jets;  // scratch of Evaluate
 };
 
 struct CellPlace {
@@ -30,13 +32,16 @@ struct CellPlace {
 
 class GhostSurface {
   public:
-    // `sensor_gap_mm`: from the last vertex to the sensor.
-    GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm);
+    // `sensor_gap_mm`: from the last vertex to the sensor. Cells whose light cannot pass an iris
+    // within `iris_radius_mm` are left out (FarOutsideStop), which at a small opening is most of
+    // them.
+    GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm,
+                 double iris_radius_mm = 1e300);
 
     const GhostMesh& mesh() const { return *mesh_; }
     double sensor_gap_mm() const { return sensor_gap_mm_; }
 
-    // All cells that may pass light, in a fixed order.
+    // All cells that may pass light through that iris, in a fixed order.
     const std::vector<CellPlace>& cells() const { return cells_; }
     CellUse UseOf(const CellPlace& cell) const;
     // Which corner of a kTriangle cell is dead: 0 (i, j), 1 (i+1, j), 2 (i, j+1), 3 (i+1, j+1).
@@ -55,7 +60,16 @@ class GhostSurface {
   private:
     // [node][vertex * fields + field]: du, dv, duv per cell.
     using GridSlopes = std::vector<std::vector<std::array<float, 3>>>;
-    void AddSlopes(const MeshGrid& grid, GridSlopes& out) const;
+
+    void AddCells(int g, double iris_radius_mm);
+    bool FarOutside(const MeshGrid& grid, std::span<const std::size_t> vertices,
+                    double radius_mm) const;
+    // Of the whole grid, as FarOutsideStop of a cell.
+    bool GridFarOutside(const MeshGrid& grid, double radius_mm) const;
+    // Of each grid the vertices of its cells and of those next to them; none: empty.
+    std::vector<std::vector<std::uint8_t>> Corners() const;
+    void AddSlopes(const MeshGrid& grid, const std::vector<std::uint8_t>& corners,
+                   GridSlopes& out) const;
 
     // Field f of a vertex, those of the sensor taken to where it stands.
     double Value(const MeshNode& node, std::size_t vertex, std::size_t f) const;

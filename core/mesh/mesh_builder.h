@@ -11,6 +11,10 @@
 
 namespace flare {
 
+// What rays are traced in. Floats go many at once (trace_columns.h); a ghost that they place too
+// far from the reference, by a sample of its rays, is traced in doubles after all.
+enum class MeshArithmetic { kFloat, kDouble };
+
 struct MeshSpec {
     BounceSequence sequence;
     double field_rad = 0.0;
@@ -23,10 +27,12 @@ struct MeshSpec {
     double position_tolerance_mm = 0.005;  // on the sensor
     double mask_tolerance = 0.002;         // at the stop and the rims, in semi-diameters
     double cosine_tolerance = 0.001;       // of a squared cosine near the critical angle
+    MeshArithmetic arithmetic = MeshArithmetic::kFloat;
 };
 
 // Names the mesh of `spec` for `lens`: shape, glass and rims, not coatings; the sensor's place only
-// if the sequence reflects there.
+// if the sequence reflects there. Meshes in floats bear the name of the instructions that traced
+// them (ArithmeticClass).
 Fingerprint MeshKey(const Lens& lens, const MeshSpec& spec);
 
 GhostMesh BuildMesh(const Lens& lens, const MeshSpec& spec);

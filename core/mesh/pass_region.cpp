@@ -35,6 +35,16 @@ struct Corner {
     std::size_t passed = 0;  // of these within their rims before the first one outside
 };
 
+struct SearchColumns {
+    RayColumns rays;
+    TraceColumns traced;
+};
+
+SearchColumns& Columns() {
+    thread_local SearchColumns columns;
+    return columns;
+}
+
 class Search {
   public:
     Search(const InteractionList& list, const LightBundle& bundle, PassRegion& tally)
@@ -218,8 +228,9 @@ class Search {
     const LightBundle& bundle_;
     PassRegion& tally_;
     int cells_v_;
-    RayColumns rays_;
-    TraceColumns traced_;
+    // Large, and used again by every search of the thread.
+    RayColumns& rays_ = Columns().rays;
+    TraceColumns& traced_ = Columns().traced;
     std::vector<Corner> corners_;
     Rect passing_;
 };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the plane of light and axis is one of symmetry the main grid is traced for v >= 0 and
-// mirrored.
+// Where the plane of light and axis is one of symmetry the main grid is traced for v >= 0 only.
 #include "core/mesh/raw_grid.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/check.h"
 #include "core/mesh/transmission.h"
@@ -17,10 +17,60 @@ namespace {
 // neighbours for cubic interpolation.
 constexpr double kGuardCells = 1.5;
 
+constexpr std::size_t kSampledRays = 32;
+
+// Rays with a larger (distance / semi-diameter)^2 than this at some rim are no concern of the
+// sample.
+constexpr float kSampledRim = 1.1F;
+
+// Interactions that the ray met.
+std::size_t MetBy(const TraceColumns& rays, std::size_t ray, std::size_t steps) {
+    const std::int32_t ended = rays.ended_at[ray];
+    if (ended == TraceColumns::kArrived) return steps;
+    // A ray that is totally reflected has met the surface where that happens.
+    const bool reflected = rays.fate[ray] == static_cast<std::uint8_t>(RayFate::kTir);
+    return static_cast<std::size_t>(ended) + (reflected ? 1 : 0);
+}
+
+void Allocate(std::size_t rays, std::size_t steps, std::size_t crossings, std::size_t segments,
+              TraceColumns& out) {
+    out.rays = out.stride = rays;
+    out.ended_at.assign(rays, TraceColumns::kArrived);
+    out.fate.assign(rays, 0);
+    out.disorder.assign(rays, 0);
+    for (std::vector<float>* column : {&out.exit_x, &out.exit_y, &out.slope_x, &out.slope_y}) {
+        column->assign(rays, 0.0F);
+    }
+    out.rim_ratio2.assign(rays * steps, 0.0F);
+    out.rare_cos2.assign(rays * steps, 0.0F);
+    out.stop_x.assign(rays * crossings, 0.0F);
+    out.stop_y.assign(rays * crossings, 0.0F);
+    out.segment_mm.assign(rays * segments, 0.0F);
+}
+
+// Columns are large and needed again by the thread's next ghost; fresh ones cost as much in pages
+// as the tracing itself.
+std::vector<TraceColumns>& SpareColumns() {
+    thread_local std::vector<TraceColumns> spare;
+    return spare;
+}
+
+void Recycle(TracedRays* rays) {
+    constexpr std::size_t kMostSpare = 8;
+    constexpr std::size_t kLargestSpare = std::size_t{1} << 20;  // floats in a column
+    for (TraceColumns& node : rays->nodes) {
+        if (SpareColumns().size() < kMostSpare && node.rim_ratio2.capacity() < kLargestSpare) {
+            SpareColumns().push_back(std::move(node));
+        }
+    }
+    delete rays;
+}
+
 }  // namespace
 
-GridTracer::GridTracer(const Lens& lens, const MeshSpec& spec)
+GridTracer::GridTracer(const Lens& lens, const MeshSpec& spec, MeshArithmetic arithmetic)
     : spec_(spec),
+      arithmetic_(arithmetic),
       bundle_(lens, spec.field_rad, spec.inverse_distance, spec.azimuth_rad),
       absorbing_(AbsorbingSteps(lens, spec.sequence)) {
     for (const double wavelength : spec.wavelengths_nm) {
@@ -29,155 +79,215 @@ GridTracer::GridTracer(const Lens& lens, const MeshSpec& spec)
     }
 }
 
-RawGrid GridTracer::MainGrid(const Rect& rect) {
-    const int cells = spec_.cells;
-    RawGrid raw;
-    raw.grid.nu = raw.grid.nv = cells + 1;
-    const double inner = cells - 2.0 * kGuardCells;
-    raw.grid.du = (rect.u1 - rect.u0) / inner;
-    raw.grid.dv = (rect.v1 - rect.v0) / inner;
-    raw.grid.u0 = rect.u0 - kGuardCells * raw.grid.du;
-    const bool mirrored = bundle_.mirror_symmetric();
-    raw.grid.v0 = mirrored ? -0.5 * cells * raw.grid.dv : rect.v0 - kGuardCells * raw.grid.dv;
-    Allocate(raw);
+RawGrid GridTracer::MainGrid(const Rect& rect, int cells) {
     FLARE_CHECK(cells % 2 == 0);
-    for (int j = mirrored ? cells / 2 : 0; j <= cells; ++j) {
-        for (int i = 0; i <= cells; ++i) {
-            TraceVertex(raw, i, j);
-            if (mirrored && j > cells / 2)
-                MirrorVertex(raw, raw.grid.Vertex(i, j), raw.grid.Vertex(i, cells - j));
-        }
-    }
-    return raw;
-}
-
-RawGrid GridTracer::Patch(const MeshGrid& main, int ci, int cj) {
+    const bool mirrored = bundle_.mirror_symmetric();
     RawGrid raw;
-    raw.grid.nu = raw.grid.nv = spec_.patch_cells + 1;
-    raw.grid.du = main.du / spec_.patch_cells;
-    raw.grid.dv = main.dv / spec_.patch_cells;
-    raw.grid.u0 = main.u0 + ci * main.du;
-    raw.grid.v0 = main.v0 + cj * main.dv;
-    Allocate(raw);
-    for (int j = 0; j <= spec_.patch_cells; ++j) {
-        for (int i = 0; i <= spec_.patch_cells; ++i) TraceVertex(raw, i, j);
-    }
-    raw.grid.smooth = std::all_of(raw.state.begin(), raw.state.end(),
-                                  [](VertexState s) { return s == VertexState::kAlive; });
-    for (int j = 0; j < spec_.patch_cells; ++j) {
-        for (int i = 0; i < spec_.patch_cells; ++i) {
-            int living = 0;
-            for (const std::size_t v : CornersOf(raw.grid, i, j)) {
-                living += raw.state[v] == VertexState::kAlive ? 1 : 0;
-            }
-            raw.grid.cells[raw.grid.Cell(i, j)] = living == 4   ? CellUse::kUsed
-                                                  : living == 3 ? CellUse::kTriangle
-                                                                : CellUse::kOutside;
+    MeshGrid& grid = raw.grid;
+    grid.nu = grid.nv = cells + 1;
+    const double inner = cells - 2.0 * kGuardCells;
+    grid.du = (rect.u1 - rect.u0) / inner;
+    grid.dv = (rect.v1 - rect.v0) / inner;
+    grid.u0 = rect.u0 - kGuardCells * grid.du;
+    grid.v0 = mirrored ? -0.5 * cells * grid.dv : rect.v0 - kGuardCells * grid.dv;
+    grid.cells.assign(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells),
+                      CellUse::kOutside);
+    raw.mirror_row = mirrored ? cells / 2 : 0;
+    std::vector<Vec2d> pupil;
+    for (int j = raw.mirror_row; j <= cells; ++j) {
+        for (int i = 0; i <= cells; ++i) {
+            pupil.emplace_back(grid.u0 + i * grid.du, grid.v0 + j * grid.dv);
         }
     }
+    raw.rays = Trace(pupil);
     return raw;
 }
 
-void GridTracer::Allocate(RawGrid& raw) const {
-    const auto vertices =
-        static_cast<std::size_t>(raw.grid.nu) * static_cast<std::size_t>(raw.grid.nv);
-    raw.grid.cells.assign(
-        static_cast<std::size_t>(raw.grid.nu - 1) * static_cast<std::size_t>(raw.grid.nv - 1),
-        CellUse::kOutside);
-    raw.state.assign(vertices, VertexState::kAlive);
-    raw.smallest_rim.assign(vertices, 0.0F);
-    for (std::size_t k = 0; k < lists_.size(); ++k) {
-        RawNode node;
-        node.exit.assign(vertices * 4, 0.0F);
-        node.stops.assign(vertices * 2 * crossings(), 0.0F);
-        node.rims.assign(vertices * steps(), 0.0F);
-        node.passage.assign(vertices * passage_count(), 0.0F);
-        raw.nodes.push_back(std::move(node));
+std::vector<RawGrid> GridTracer::Patches(const MeshGrid& main,
+                                         const std::vector<PatchedCell>& cells) {
+    std::vector<RawGrid> patches;
+    std::vector<Vec2d> pupil;
+    for (const PatchedCell& cell : cells) {
+        const int n = cell.cells;
+        RawGrid& raw = patches.emplace_back();
+        raw.first = pupil.size();
+        MeshGrid& grid = raw.grid;
+        grid.nu = grid.nv = n + 1;
+        grid.du = main.du / n;
+        grid.dv = main.dv / n;
+        grid.u0 = main.u0 + cell.i * main.du;
+        grid.v0 = main.v0 + cell.j * main.dv;
+        for (int j = 0; j <= n; ++j) {
+            for (int i = 0; i <= n; ++i) {
+                pupil.emplace_back(grid.u0 + i * grid.du, grid.v0 + j * grid.dv);
+            }
+        }
     }
+    if (patches.empty()) return patches;
+    const std::shared_ptr<const TracedRays> rays = Trace(pupil);
+    for (RawGrid& raw : patches) {
+        raw.rays = rays;
+        const int n = raw.grid.nu - 1;
+        int dead = 0;
+        for (int j = 0; j < n; ++j) {
+            for (int i = 0; i < n; ++i) {
+                int living = 0;
+                for (const std::size_t ray : raw.CornersOf(i, j)) {
+                    living += rays->state[ray] == VertexState::kAlive ? 1 : 0;
+                }
+                dead += 4 - living;
+                raw.grid.cells.push_back(living == 4   ? CellUse::kUsed
+                                         : living == 3 ? CellUse::kTriangle
+                                                       : CellUse::kOutside);
+            }
+        }
+        raw.grid.smooth = dead == 0;
+    }
+    return patches;
 }
 
-void GridTracer::TraceVertex(RawGrid& raw, int i, int j) {
-    const std::size_t vertex = raw.grid.Vertex(i, j);
-    const Ray ray = bundle_.At(raw.grid.u0 + i * raw.grid.du, raw.grid.v0 + j * raw.grid.dv);
+std::shared_ptr<const TracedRays> GridTracer::Trace(const std::vector<Vec2d>& pupil) {
+    const std::shared_ptr<TracedRays> rays(new TracedRays, Recycle);
+    rays->nodes.resize(lists_.size());
+    for (TraceColumns& node : rays->nodes) {
+        if (SpareColumns().empty()) break;
+        node = std::move(SpareColumns().back());
+        SpareColumns().pop_back();
+    }
+    if (arithmetic_ == MeshArithmetic::kDouble) {
+        for (std::size_t k = 0; k < lists_.size(); ++k) TraceOneByOne(k, pupil, rays->nodes[k]);
+    } else {
+        RayColumns columns;
+        columns.Resize(pupil.size());
+        for (std::size_t k = 0; k < pupil.size(); ++k) {
+            const Ray ray = bundle_.AtFront(pupil[k].x, pupil[k].y);
+            columns.Set(k, ray.origin, ray.direction);
+        }
+        ColumnNeeds needs;
+        needs.segments = absorbing_;
+        for (std::size_t k = 0; k < lists_.size(); ++k) {
+            TraceInColumns(lists_[k], columns, needs, rays->nodes[k]);
+        }
+    }
+    Judge(*rays);
+    return rays;
+}
+
+void GridTracer::TraceOneByOne(std::size_t node, const std::vector<Vec2d>& pupil,
+                               TraceColumns& out) {
+    Allocate(pupil.size(), steps(), crossings(), absorbing_.size(), out);
     TraceOptions options;
     options.clip = false;
-    double smallest = 1e30;
-    for (std::size_t k = 0; k < lists_.size(); ++k) {
-        const TraceResult result = TraceRay(lists_[k], ray, options, &record_);
-        ++rays_;
-        ray_surfaces_ += record_.rim_ratio2.size();
-        const double largest =
-            record_.rim_ratio2.empty()
-                ? 0.0
-                : *std::max_element(record_.rim_ratio2.begin(), record_.rim_ratio2.end());
-        smallest = std::min(smallest, largest);
-        if (result.fate != RayFate::kArrived || result.out_of_order_inside) {
-            // A ray that left the rims before it died would not have passed anyway.
-            const VertexState now = largest > 1.0 ? VertexState::kDeadOutside : VertexState::kDead;
-            if (raw.state[vertex] != VertexState::kDead) raw.state[vertex] = now;
-            continue;
-        }
-        Store(raw.nodes[k], lists_[k], vertex, result);
+    for (std::size_t k = 0; k < pupil.size(); ++k) {
+        const TraceResult result =
+            TraceRay(lists_[node], bundle_.At(pupil[k].x, pupil[k].y), options, &record_);
+        Store(lists_[node], k, result, out);
     }
-    raw.smallest_rim[vertex] = static_cast<float>(std::min(smallest, 1e30));
 }
 
-void GridTracer::Store(RawNode& node, const InteractionList& list, std::size_t vertex,
-                       const TraceResult& result) const {
-    const Vec3d& d = result.exit_direction;
-    const double slope_x = d.x / d.z;
-    const double slope_y = d.y / d.z;
-    float* const exit = &node.exit[vertex * 4];
-    exit[0] = static_cast<float>(result.sensor_mm.x);
-    exit[1] = static_cast<float>(result.sensor_mm.y);
-    exit[2] = static_cast<float>(slope_x);
-    exit[3] = static_cast<float>(slope_y);
-    for (std::size_t c = 0; c < record_.stop_mm.size(); ++c) {
-        float* const stop = &node.stops[(vertex * record_.stop_mm.size() + c) * 2];
-        stop[0] = static_cast<float>(record_.stop_mm[c].x);
-        stop[1] = static_cast<float>(record_.stop_mm[c].y);
-    }
-    for (std::size_t s = 0; s < steps(); ++s) {
+void GridTracer::Store(const InteractionList& list, std::size_t ray, const TraceResult& result,
+                       TraceColumns& out) const {
+    out.ended_at[ray] = result.ended_at;
+    out.fate[ray] = static_cast<std::uint8_t>(result.fate);
+    out.disorder[ray] = result.out_of_order_inside ? 2 : result.out_of_order ? 1 : 0;
+    for (std::size_t s = 0; s < record_.rim_ratio2.size(); ++s) {
         const Interaction& step = list.steps[s];
         const double cos_in = record_.cos_in[s];
         const double eta = step.n_in / step.n_out;
         const double rare =
             eta <= 1.0 ? cos_in * cos_in : 1.0 - eta * eta * (1.0 - cos_in * cos_in);
-        const double r2 = record_.rim_ratio2[s];
-        node.rims[vertex * steps() + s] = static_cast<float>((r2 - 1.0) / (r2 + 1.0));
-        node.passage[vertex * passage_count() + s] = static_cast<float>(rare);
+        out.rim_ratio2[s * out.stride + ray] = static_cast<float>(record_.rim_ratio2[s]);
+        out.rare_cos2[s * out.stride + ray] = static_cast<float>(rare);
+    }
+    if (result.fate != RayFate::kArrived) return;
+    const Vec3d& d = result.exit_direction;
+    out.exit_x[ray] = static_cast<float>(result.sensor_mm.x);
+    out.exit_y[ray] = static_cast<float>(result.sensor_mm.y);
+    out.slope_x[ray] = static_cast<float>(d.x / d.z);
+    out.slope_y[ray] = static_cast<float>(d.y / d.z);
+    for (std::size_t c = 0; c < record_.stop_mm.size(); ++c) {
+        out.stop_x[c * out.stride + ray] = static_cast<float>(record_.stop_mm[c].x);
+        out.stop_y[c * out.stride + ray] = static_cast<float>(record_.stop_mm[c].y);
     }
     for (std::size_t a = 0; a < absorbing_.size(); ++a) {
-        node.passage[vertex * passage_count() + steps() + a] =
+        out.segment_mm[a * out.stride + ray] =
             static_cast<float>(record_.segment_mm[static_cast<std::size_t>(absorbing_[a])]);
     }
 }
 
-void GridTracer::MirrorVertex(RawGrid& raw, std::size_t from, std::size_t to) const {
-    raw.state[to] = raw.state[from];
-    raw.smallest_rim[to] = raw.smallest_rim[from];
-    for (RawNode& node : raw.nodes) {
-        for (std::size_t pair = 0; pair < 2; ++pair) {
-            MirrorPair(&node.exit[from * 4 + 2 * pair], &node.exit[to * 4 + 2 * pair]);
+// Rows of a column first, then the lost rays, whose columns end where they were lost.
+void GridTracer::Judge(TracedRays& rays) {
+    const std::size_t count = rays.nodes.front().rays;
+    rays.state.assign(count, VertexState::kAlive);
+    rays.smallest_rim.assign(count, 1e30F);
+    std::vector<float> largest;
+    for (const TraceColumns& node : rays.nodes) {
+        largest.assign(count, 0.0F);
+        for (std::size_t s = 0; s < steps(); ++s) {
+            const float* const row = &node.rim_ratio2[s * node.stride];
+            for (std::size_t k = 0; k < count; ++k) {
+                largest[k] = largest[k] < row[k] ? row[k] : largest[k];
+            }
         }
-        for (std::size_t c = 0; c < crossings(); ++c) {
-            MirrorPair(&node.stops[(from * crossings() + c) * 2],
-                       &node.stops[(to * crossings() + c) * 2]);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t met = MetBy(node, k, steps());
+            ray_surfaces_ += met;
+            const bool arrived = node.fate[k] == static_cast<std::uint8_t>(RayFate::kArrived);
+            if (!arrived) {
+                largest[k] = 0.0F;
+                for (std::size_t s = 0; s < met; ++s) {
+                    largest[k] = std::max(largest[k], node.rim_ratio2[s * node.stride + k]);
+                }
+            }
+            if (!arrived || node.disorder[k] == 2) {
+                // A ray that left the rims before it died would not have passed anyway.
+                if (rays.state[k] != VertexState::kDead) {
+                    rays.state[k] =
+                        largest[k] > 1.0F ? VertexState::kDeadOutside : VertexState::kDead;
+                }
+            }
+            rays.smallest_rim[k] = std::min(rays.smallest_rim[k], largest[k]);
         }
-        const auto copy = [&](std::vector<float>& values, std::size_t stride) {
-            std::copy_n(&values[from * stride], stride, &values[to * stride]);
-        };
-        copy(node.rims, steps());
-        copy(node.passage, passage_count());
+        rays_ += count;
     }
 }
 
-// Mirrors x, y in the plane of light and axis: the x-z plane or, for an anamorphic lens lit
-// from there, the y-z plane.
-void GridTracer::MirrorPair(const float* from, float* to) const {
-    const bool in_y = spec_.azimuth_rad != 0.0;
-    to[0] = in_y ? -from[0] : from[0];
-    to[1] = in_y ? from[1] : -from[1];
+double GridTracer::SampledMiss_mm(const RawGrid& main, double sensor_gap_mm) {
+    const MeshGrid& grid = main.grid;
+    std::vector<CellIndex> passing;
+    for (int j = main.mirror_row; j < grid.nv; ++j) {
+        for (int i = 0; i < grid.nu; ++i) {
+            const std::size_t ray = main.Ray(i, j);
+            if (main.rays->state[ray] == VertexState::kAlive &&
+                main.rays->smallest_rim[ray] < kSampledRim) {
+                passing.push_back({i, j});
+            }
+        }
+    }
+    const TraceColumns& floats = main.rays->nodes[lists_.size() / 2];
+    const InteractionList& list = lists_[lists_.size() / 2];
+    TraceOptions options;
+    options.clip = false;
+    double largest = 0.0;
+    const std::size_t samples = std::min(kSampledRays, passing.size());
+    for (std::size_t k = 0; k < samples; ++k) {
+        const CellIndex at = passing[k * passing.size() / samples];
+        const Ray ray = bundle_.At(grid.u0 + at.i * grid.du, grid.v0 + at.j * grid.dv);
+        const TraceResult exact = TraceRay(list, ray, options, nullptr);
+        ++rays_;
+        ray_surfaces_ += steps();
+        // Rays may end either way next to where they cannot pass.
+        if (exact.fate != RayFate::kArrived) continue;
+        const std::size_t n = main.Ray(at.i, at.j);
+        const Vec3d& d = exact.exit_direction;
+        const Vec2d place = exact.sensor_mm + Vec2d(d.x / d.z, d.y / d.z) * sensor_gap_mm;
+        const Vec2d found =
+            Vec2d(static_cast<double>(floats.exit_x[n]), static_cast<double>(floats.exit_y[n])) +
+            Vec2d(static_cast<double>(floats.slope_x[n]), static_cast<double>(floats.slope_y[n])) *
+                sensor_gap_mm;
+        largest = std::max(largest, (found - place).length() / FarScale(place.length()));
+    }
+    return largest;
 }
 
 }  // namespace flare

@@ -1,55 +1,86 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A grid of exactly traced rays before anybody has decided which of it a ghost mesh keeps: every
+// A grid of traced rays before anybody has decided which of it a ghost mesh keeps: every
 // wavelength, every interaction's rim ratio, and how each ray ended. Main grid and patches are
-// traced alike. Used by the mesh builder.
+// traced alike, in floats and many at once (trace_columns.h) or, where the spec asks for it, one by
+// one by the reference. Used by the mesh builder.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/mesh/ghost_mesh.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/mesh/pass_region.h"
 #include "core/tracing/light_bundle.h"
+#include "core/tracing/trace_columns.h"
 
 namespace flare {
-
-struct RawNode {
-    std::vector<float> exit;     // [vertex][x, y, dx/dz, dy/dz] at the last vertex
-    std::vector<float> stops;    // [vertex][2 * crossings]
-    std::vector<float> rims;     // [vertex][interaction], see GhostMesh
-    std::vector<float> passage;  // [vertex][passage], see transmission.h
-};
 
 // How a vertex counts for the masks at all wavelengths.
 enum class VertexState : std::uint8_t { kAlive, kDead, kDeadOutside };
 
+// Rays traced in one go, shared by the grids they belong to.
+struct TracedRays {
+    std::vector<TraceColumns> nodes;  // one a wavelength
+    std::vector<VertexState> state;   // [ray]
+    // [ray] over wavelengths: largest rim ratio^2 met (rims, stop)
+    std::vector<float> smallest_rim;
+};
+
 struct RawGrid {
     MeshGrid grid;
-    std::vector<RawNode> nodes;
-    std::vector<VertexState> state;
-    std::vector<float>
-        smallest_rim;  // [vertex] over wavelengths: largest rim ratio^2 met (rims, stop)
+    std::shared_ptr<const TracedRays> rays;
+    std::size_t first = 0;  // of its rays among them
+    int mirror_row = 0;     // rows below this one are mirror images of those above; 0: none is
+
+    // Which ray vertex (i, j) is.
+    std::size_t Ray(int i, int j) const {
+        const int row = j < mirror_row ? mirror_row - j : j - mirror_row;
+        return first + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.nu) +
+               static_cast<std::size_t>(i);
+    }
+    std::array<std::size_t, 4> CornersOf(int i, int j) const {
+        return {Ray(i, j), Ray(i + 1, j), Ray(i, j + 1), Ray(i + 1, j + 1)};
+    }
 };
 
 using CellCorners = std::array<std::size_t, 4>;
 
-inline CellCorners CornersOf(const MeshGrid& grid, int i, int j) {
-    return {grid.Vertex(i, j), grid.Vertex(i + 1, j), grid.Vertex(i, j + 1),
-            grid.Vertex(i + 1, j + 1)};
+struct CellIndex {
+    int i = 0, j = 0;
+};
+
+// A cell of the main grid that a finer grid stands in for, and how many cells a side that has.
+struct PatchedCell {
+    int i = 0, j = 0, cells = 0;
+};
+
+// By how much more a place on the sensor may be off if it lies this far from the axis: 1 within any
+// picture and its surroundings, growing with the square of the distance beyond, where nobody looks.
+inline double FarScale(double distance_mm) {
+    constexpr double kSeen_mm = 60.0;
+    const double far = distance_mm / kSeen_mm;
+    return far > 1.0 ? far * far : 1.0;
 }
 
 // Traces the grids of one ghost and one light. `spec` must outlive it.
 class GridTracer {
   public:
-    GridTracer(const Lens& lens, const MeshSpec& spec);
+    GridTracer(const Lens& lens, const MeshSpec& spec, MeshArithmetic arithmetic);
 
-    // Over the pass region and a little beyond; its cells' use is left open.
-    RawGrid MainGrid(const Rect& rect);
-    // The finer grid of the main grid's cell (ci, cj), its cells put to use where rays live.
-    RawGrid Patch(const MeshGrid& main, int ci, int cj);
+    // Over the pass region and a little beyond, `cells` (even) a side; its cells' use is left open.
+    RawGrid MainGrid(const Rect& rect, int cells);
+    // The finer grids of these cells of the main grid, their cells put to use where rays live.
+    std::vector<RawGrid> Patches(const MeshGrid& main, const std::vector<PatchedCell>& cells);
+
+    // How far the sensor places of a sample of a main grid's passing rays lie from the reference's,
+    // at the middle wavelength, at most, mm; far places count by
+    // FarScale.
+    double SampledMiss_mm(const RawGrid& main, double sensor_gap_mm);
 
     const LightBundle& bundle() const { return bundle_; }
     // One a wavelength. Light is traced to the last vertex, wherever the sensor stands: not even
@@ -62,20 +93,23 @@ class GridTracer {
         return static_cast<std::size_t>(lists_.front().stop_crossings);
     }
     std::size_t passage_count() const { return steps() + absorbing_.size(); }
+    // Of x and y the one that changes its sign in the plane of light and axis: that is the x-z
+    // plane or, for an anamorphic lens lit from there, the y-z plane.
+    std::size_t mirrored_axis() const { return spec_.azimuth_rad != 0.0 ? 0 : 1; }
 
     // Traced so far.
     std::uint64_t rays() const { return rays_; }
     std::uint64_t ray_surfaces() const { return ray_surfaces_; }
 
   private:
-    void Allocate(RawGrid& raw) const;
-    void TraceVertex(RawGrid& raw, int i, int j);
-    void Store(RawNode& node, const InteractionList& list, std::size_t vertex,
-               const TraceResult& result) const;
-    void MirrorVertex(RawGrid& raw, std::size_t from, std::size_t to) const;
-    void MirrorPair(const float* from, float* to) const;
+    std::shared_ptr<const TracedRays> Trace(const std::vector<Vec2d>& pupil);
+    void TraceOneByOne(std::size_t node, const std::vector<Vec2d>& pupil, TraceColumns& out);
+    void Store(const InteractionList& list, std::size_t ray, const TraceResult& result,
+               TraceColumns& out) const;
+    void Judge(TracedRays& rays);
 
     const MeshSpec& spec_;
+    MeshArithmetic arithmetic_;
     LightBundle bundle_;
     std::vector<InteractionList> lists_;
     std::vector<int> absorbing_;

@@ -228,19 +228,30 @@ TransmissionTables::Path TransmissionTables::PathOf(const Lens& lens,
     return path;
 }
 
+double TransmissionTables::Path::Factor(int band, std::size_t step, double rare_cos2) const {
+    const InteractionList& list = lists_[static_cast<std::size_t>(band)];
+    const Table* const table =
+        looked_up_[static_cast<std::size_t>(band) * list.steps.size() + step];
+    if (table != nullptr && rare_cos2 >= 0.0) {
+        return table->At(std::sqrt(std::min(rare_cos2, 1.0)));
+    }
+    return Acts(step) ? tables_->StepFactor(list.steps[step], band, rare_cos2) : 1.0;
+}
+
+std::vector<double> TransmissionTables::Path::AbsorptionsPerMm(int band) const {
+    std::vector<double> absorptions;
+    for (const int step : absorbing_) {
+        absorptions.push_back(lists_[static_cast<std::size_t>(band)]
+                                  .steps[static_cast<std::size_t>(step)]
+                                  .absorption_per_mm);
+    }
+    return absorptions;
+}
+
 double TransmissionTables::Path::Weight(int band, std::span<const double> passage) const {
     const InteractionList& list = lists_[static_cast<std::size_t>(band)];
-    const Table* const* const looked_up =
-        &looked_up_[static_cast<std::size_t>(band) * list.steps.size()];
     double weight = 1.0;
-    for (std::size_t s = 0; s < list.steps.size(); ++s) {
-        const Table* const table = looked_up[s];
-        if (table != nullptr && passage[s] >= 0.0) {
-            weight *= table->At(std::sqrt(std::min(passage[s], 1.0)));
-        } else if (list.steps[s].kind != InteractionKind::kStop) {
-            weight *= tables_->StepFactor(list.steps[s], band, passage[s]);
-        }
-    }
+    for (std::size_t s = 0; s < list.steps.size(); ++s) weight *= Factor(band, s, passage[s]);
     double absorbed = 0.0;
     for (std::size_t a = 0; a < absorbing_.size(); ++a) {
         const Interaction& step = list.steps[static_cast<std::size_t>(absorbing_[a])];

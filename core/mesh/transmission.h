@@ -45,6 +45,17 @@ class TransmissionTables {
         // The product at wavelength number `band` for a ray's passage.
         double Weight(int band, std::span<const double> passage) const;
 
+        // Its parts: the factor of one interaction, and what light loses a mm on each of the ways
+        // through absorbing glass (the passage's last entries).
+        double Factor(int band, std::size_t step, double rare_cos2) const;
+        std::vector<double> AbsorptionsPerMm(int band) const;
+
+        std::size_t steps() const { return lists_.front().steps.size(); }
+        // Is there anything that reflects or refracts?
+        bool Acts(std::size_t step) const {
+            return lists_.front().steps[step].kind != InteractionKind::kStop;
+        }
+
       private:
         friend class TransmissionTables;
         const TransmissionTables* tables_ = nullptr;

@@ -131,8 +131,8 @@ Result<GhostChoice> ChooseFourReflections(const Lens& lens, const ModelSpec& mod
             MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context.cancel);
         if (!found) return;
         if (!found->hit) rays[n] = found->mesh->rays_traced;
-        const auto surface =
-            std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm());
+        const auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
+                                                                  iris.outer_radius());
         GhostEstimate& estimate = estimates[n];
         estimate = EstimateOf(*surface, bundle, lens, tables, iris, light.pose);
         const double most = std::min(kMeshGain * estimate.peak_irradiance,

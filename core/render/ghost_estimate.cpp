@@ -130,16 +130,18 @@ class Estimator {
 
     double SampledShare(const CellPlace& cell) {
         surface_.Evaluate(cell, weights_, 2, mesh_.field_count(), nets_);
+        std::array<std::array<double, 4>, kLattice> weights;
+        for (int i = 0; i < kLattice; ++i)
+            weights[static_cast<std::size_t>(i)] = Bernstein((i + 0.5) / kLattice);
         int inside = 0;
-        for (int j = 0; j < kLattice; ++j) {
-            for (int i = 0; i < kLattice; ++i) {
-                if (PassesAt((i + 0.5) / kLattice, (j + 0.5) / kLattice)) ++inside;
-            }
+        for (const std::array<double, 4>& b : weights) {
+            for (const std::array<double, 4>& a : weights) inside += PassesAt(a, b) ? 1 : 0;
         }
         return static_cast<double>(inside) / (kLattice * kLattice);
     }
 
-    bool PassesAt(double a, double b) const {
+    // Weights of the net's columns and rows.
+    bool PassesAt(const std::array<double, 4>& a, const std::array<double, 4>& b) const {
         for (int r = 0; r < static_cast<int>(mesh_.rims.size()); ++r) {
             if (Value(static_cast<std::size_t>(mesh_.rim_field(r)), a, b) > 0.0) return false;
         }
@@ -150,10 +152,9 @@ class Estimator {
         return true;
     }
 
-    double Value(std::size_t field, double a, double b) const {
+    double Value(std::size_t field, const std::array<double, 4>& ba,
+                 const std::array<double, 4>& bb) const {
         const BezierNet& net = nets_.nets[field];
-        const std::array<double, 4> ba = Bernstein(a);
-        const std::array<double, 4> bb = Bernstein(b);
         double value = 0.0;
         for (std::size_t row = 0; row < 4; ++row) {
             for (std::size_t column = 0; column < 4; ++column) {

@@ -39,8 +39,9 @@ std::vector<GhostLight::Cell> CellsInWindow(const GhostSurface& surface,
                                             const WalkWindow& window);
 
 // For tiles: adds the cells next to those, as the light and the masks of an edge are interpolated
-// from both of its sides, and notes which may touch the whole tiles around `window`. The cells must
-// be all that the iris lets pass, wherever they land: then a crop is drawn as the frame is.
+// from both of its sides, and takes out what does not touch the whole tiles around `window`. The
+// cells must be all that the iris lets pass, wherever they land: then a crop is drawn as the frame
+// is.
 void AddRing(const GhostSurface& surface, const PictureMap& map, const PixelWindow& window,
              std::vector<GhostLight::Cell>& cells);
 

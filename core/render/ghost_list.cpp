@@ -150,8 +150,8 @@ Result<GhostList> RankGhosts(const std::shared_ptr<const Lens>& lens,
         const auto found = context.meshes.Get(
             MeshKey(*lens, spec), [&] { return BuildMesh(*lens, spec); }, context.cancel);
         if (!found) return;
-        const auto surface =
-            std::make_shared<const GhostSurface>(found->mesh, lens->sensor_gap_mm());
+        const auto surface = std::make_shared<const GhostSurface>(
+            found->mesh, lens->sensor_gap_mm(), iris.outer_radius());
         const GhostFlux flux = FluxOf(surface, bundle, *lens, tables, iris, kTolerance);
         entry.flux_mm2 = flux.flux_mm2;
         entry.centroid_mm = light.pose.LensSpace(flux.centroid_mm);

@@ -8,49 +8,27 @@
 namespace flare {
 
 QualitySettings SettingsOf(QualityPreset preset) {
+    QualitySettings settings;
     switch (preset) {
         case QualityPreset::kDraft:
-            return {16,
-                    8,
-                    0.1,
-                    0.03,
-                    3,
-                    14,
-                    16.0,
-                    8,
-                    5e-3,
-                    {0.2, 0.15, 4.0, 64.0, 0.15},
-                    TileTolerance{0.1, 0.3}};
+            settings = {16, 8, 0.1, 0.03, 3, 14, 16.0, 8, 5e-3, {0.2, 0.15, 4.0, 64.0, 0.15}};
+            settings.tiles = {0.1, 0.3};
+            break;
         case QualityPreset::kPreview:
-            return {32,
-                    8,
-                    0.03,
-                    0.01,
-                    3,
-                    21,
-                    9.0,
-                    14,
-                    2e-3,
-                    {0.1, 0.08, 3.0, 48.0, 0.06},
-                    TileTolerance{0.04, 0.15}};
+            settings = {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
+            settings.tiles = {0.04, 0.15};
+            break;
         case QualityPreset::kFinal:
-            return {64,
-                    8,
-                    0.01,
-                    0.004,
-                    3,
-                    41,
-                    1.5,
-                    64,
-                    4e-4,
-                    {0.05, 0.02, 1.0, 32.0, 0.03},
-                    TileTolerance{0.01, 0.05}};
+            settings = {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
+            settings.tiles = {0.01, 0.05};
+            break;
         case QualityPreset::kReference:
-            return {128,         8,    0.003, 0.001, 4,
-                    81,          0.75, 128,   1e-4,  {0.02, 0.01, 0.5, 24.0, 0.015},
-                    std::nullopt};
+            settings = {128, 8,    0.003, 0.001, 4,
+                        81,  0.75, 128,   1e-4,  {0.02, 0.01, 0.5, 24.0, 0.015}};
+            settings.arithmetic = MeshArithmetic::kDouble;
+            break;
     }
-    return {};
+    return settings;
 }
 
 int ColourBandsFor(const Lens& lens, const QualitySettings& settings) {

@@ -7,6 +7,7 @@
 
 #include "core/image/ghost_tiles.h"
 #include "core/image/ghost_walk.h"
+#include "core/mesh/mesh_builder.h"
 #include "core/render/flare_request.h"
 
 namespace flare {
@@ -22,7 +23,8 @@ struct QualitySettings {
     int most_drawn = 24;
     double light_tolerance = 2e-4;  // of transmittance interpolated within a cell
     WalkTolerance walk;
-    std::optional<TileTolerance> tiles;  // of colour pictures; absent: polygons alone
+    std::optional<TileTolerance> tiles = std::nullopt;  // of colour pictures; absent: polygons alone
+    MeshArithmetic arithmetic = MeshArithmetic::kFloat;
 };
 
 QualitySettings SettingsOf(QualityPreset preset);

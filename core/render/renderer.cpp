@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "core/base/units.h"
+#include "core/image/cell_fits.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/optics/paraxial.h"
 #include "core/render/ghost_choice.h"
@@ -235,6 +236,7 @@ class Job {
         MeshSpec spec = MeshSpecOf(report_.facts.ghosts[index].sequence, light);
         spec.wavelengths_nm = TracedNodes();
         spec.cells = settings_.mesh_cells;
+        spec.arithmetic = settings_.arithmetic;
         spec.patch_cells = settings_.patch_cells;
         spec.position_tolerance_mm = settings_.position_tolerance_mm;
         spec.mask_tolerance = settings_.mask_tolerance;
@@ -246,8 +248,8 @@ class Job {
             work.rays_traced += found->mesh->rays_traced;
             work.ray_surfaces += found->mesh->ray_surfaces;
         }
-        const auto surface =
-            std::make_shared<const GhostSurface>(found->mesh, lens_.sensor_gap_mm());
+        const auto surface = std::make_shared<const GhostSurface>(
+            found->mesh, lens_.sensor_gap_mm(), iris_.outer_radius());
         if (surface->cells().empty()) return {};
 
         const LightBundle bundle = BundleOf(lens_, light);
@@ -271,16 +273,18 @@ class Job {
             colour.dispersion_px =
                 DispersionPx(*surface, InFrame(*surface, bounded, map, cells), map);
         }
+        MaskFields masks;
         if (tile_picture_) {
+            masks = MasksOf(*surface, cells, iris_);
             AddRing(*surface, map, tile_picture_->padded(), cells);
-            const bool any = std::any_of(cells.begin(), cells.end(), [](const auto& cell) {
-                return cell.wanted && !cell.ring;
-            });
+            const bool any = std::any_of(cells.begin(), cells.end(),
+                                         [](const auto& cell) { return !cell.ring; });
             if (!any) return {};
         }
         TiledGhost ghost;
         ghost.light = PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
         if (tile_picture_) {
+            ghost.light.masks = std::move(masks);
             ghost.tiles = TilesOf(ghost.light, iris_, map, tile_picture_->padded(),
                                   *settings_.tiles, tile_picture_->unit());
         }

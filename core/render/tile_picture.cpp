@@ -208,8 +208,8 @@ void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, con
     LeftSink sink(tiles, box, raster);
     GhostWalk walk(ghost.light, iris, map, tolerance);
     for (const GhostLight::Cell& cell : ghost.light.cells) {
-        if (cell.ring || !cell.wanted || cell.y1 < window.y0 || cell.y0 > window.y1 ||
-            cell.x1 < window.x0 || cell.x0 > window.x1) {
+        if (cell.ring || cell.y1 < window.y0 || cell.y0 > window.y1 || cell.x1 < window.x0 ||
+            cell.x0 > window.x1) {
             continue;
         }
         walk.Cell(cell, window, sink);

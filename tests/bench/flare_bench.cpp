@@ -17,9 +17,11 @@
 #include "core/image/line_deflate.h"
 #include "core/image/preview.h"
 #include "core/mesh/mesh_builder.h"
+#include "core/mesh/pass_region.h"
 #include "core/render/quality.h"
 #include "core/render/renderer.h"
 #include "core/spectrum/wavelength_plan.h"
+#include "core/tracing/trace_columns.h"
 #include "server/cache/mesh_cache.h"
 #include "server/service.h"
 #include "tests/support/library_exr.h"
@@ -50,40 +52,75 @@ benchmark::Counter Rate(double count) {
     return {count, benchmark::Counter::kIsRate};
 }
 
-// The reference tracer: all 45 ghosts, a 32 x 32 grid over the front, one thread, nothing recorded.
-void TraceSeedLens(benchmark::State& state) {
-    const Lens& lens = *SeedLens();
-    const LightBundle bundle(lens, kField_rad, 0.0);
-    std::vector<InteractionList> lists;
-    for (const BounceSequence& s : TwoReflectionSequences(lens))
-        lists.push_back(WriteOut(lens, s, kLineD));
+// All 45 ghosts of the seed lens with bare glass, a 64 x 64 grid over each one's pass region, one
+// thread, with everything recorded that a mesh keeps.
+struct GhostRays {
+    InteractionList list;
+    std::vector<Ray> rays;
+};
+
+std::vector<GhostRays> SeedRays() {
+    const std::shared_ptr<const Lens> lens = SeedLens()->WithBareGlass();
+    const LightBundle bundle(*lens, kField_rad, 0.0);
+    std::vector<GhostRays> ghosts;
+    for (const BounceSequence& sequence : TwoReflectionSequences(*lens)) {
+        GhostRays& ghost = ghosts.emplace_back();
+        ghost.list = WriteOut(*lens, sequence, kLineD);
+        const PassRegion region = FindPassRegion({ghost.list}, bundle);
+        if (!region.rect) continue;
+        const Rect& r = *region.rect;
+        for (int k = 0; k < 64 * 64; ++k) {
+            ghost.rays.push_back(bundle.AtFront(r.u0 + (r.u1 - r.u0) * (k % 64 + 0.5) / 64.0,
+                                                r.v0 + (r.v1 - r.v0) * (k / 64 + 0.5) / 64.0));
+        }
+    }
+    return ghosts;
+}
+
+void TraceSeedReference(benchmark::State& state) {
+    const std::vector<GhostRays> ghosts = SeedRays();
     TraceOptions options;
     options.clip = false;
-    double rays = 0.0;
     double ray_surfaces = 0.0;
     RayRecord record;
     for (auto _ : state) {
-        for (const InteractionList& list : lists) {
-            for (int i = 0; i < 32 * 32; ++i) {
-                const double u = 11.0 * ((i % 32) / 15.5 - 1.0);
-                const double v = 11.0 * ((i / 32) / 15.5 - 1.0);
-                const TraceResult result = TraceRay(list, bundle.At(u, v), options, nullptr);
+        for (const GhostRays& ghost : ghosts) {
+            for (const Ray& ray : ghost.rays) {
+                const TraceResult result = TraceRay(ghost.list, ray, options, &record);
                 benchmark::DoNotOptimize(result);
-                rays += 1.0;
-                ray_surfaces += result.ended_at < 0 ? static_cast<double>(list.steps.size())
-                                                    : result.ended_at + 1.0;
             }
+            ray_surfaces += static_cast<double>(ghost.rays.size() * ghost.list.steps.size());
         }
     }
-    state.counters["rays"] = Rate(rays);
     state.counters["ray_surfaces"] = Rate(ray_surfaces);
 }
 
-// All 45 meshes of a preview, traced afresh on all threads.
-void MeshSeedLensCold(benchmark::State& state) {
-    const Lens& lens = *SeedLens();
+void TraceSeedSimd(benchmark::State& state) {
+    const std::vector<GhostRays> ghosts = SeedRays();
+    std::vector<RayColumns> rays(ghosts.size());
+    for (std::size_t n = 0; n < ghosts.size(); ++n) {
+        rays[n].Resize(ghosts[n].rays.size());
+        for (std::size_t k = 0; k < rays[n].size(); ++k)
+            rays[n].Set(k, ghosts[n].rays[k].origin, ghosts[n].rays[k].direction);
+    }
+    TraceColumns out;
+    double ray_surfaces = 0.0;
+    for (auto _ : state) {
+        for (std::size_t n = 0; n < ghosts.size(); ++n) {
+            TraceInColumns(ghosts[n].list, rays[n], {}, out);
+            benchmark::DoNotOptimize(out.exit_x.data());
+            ray_surfaces += static_cast<double>(rays[n].size() * ghosts[n].list.steps.size());
+        }
+    }
+    state.counters["ray_surfaces"] = Rate(ray_surfaces);
+}
+
+// All meshes of a preview, traced afresh on all threads.
+void MeshCold(benchmark::State& state, const std::string& name) {
+    const std::shared_ptr<const Lens> lens =
+        LoadLensFile(std::string(FLARE_SOURCE_DIR) + "/lenses/" + name + ".toml").value();
     const QualitySettings settings = SettingsOf(QualityPreset::kPreview);
-    const std::vector<BounceSequence> sequences = TwoReflectionSequences(lens);
+    const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens);
     ThreadPool threads(Threads());
     std::vector<GhostMesh> meshes(sequences.size());
     double rays = 0.0;
@@ -100,7 +137,7 @@ void MeshSeedLensCold(benchmark::State& state) {
             spec.patch_cells = settings.patch_cells;
             spec.position_tolerance_mm = settings.position_tolerance_mm;
             spec.mask_tolerance = settings.mask_tolerance;
-            meshes[static_cast<std::size_t>(i)] = BuildMesh(lens, spec);
+            meshes[static_cast<std::size_t>(i)] = BuildMesh(*lens, spec);
         });
         bytes = 0.0;
         for (const GhostMesh& mesh : meshes) {
@@ -109,6 +146,7 @@ void MeshSeedLensCold(benchmark::State& state) {
             bytes += static_cast<double>(mesh.bytes());
         }
     }
+    state.counters["ghosts"] = static_cast<double>(sequences.size());
     state.counters["rays"] = Rate(rays);
     state.counters["ray_surfaces"] = Rate(ray_surfaces);
     state.counters["mesh_bytes"] = bytes;
@@ -281,8 +319,12 @@ void RequestWarm(benchmark::State& state) {
 int main(int argc, char** argv) {
     using benchmark::RegisterBenchmark;
     const auto milliseconds = benchmark::kMillisecond;
-    RegisterBenchmark("trace/seed_lens", flare::TraceSeedLens)->Unit(milliseconds);
-    RegisterBenchmark("mesh/seed_lens_cold", flare::MeshSeedLensCold)
+    RegisterBenchmark("trace/seed_lens_reference", flare::TraceSeedReference)->Unit(milliseconds);
+    RegisterBenchmark("trace/seed_lens_simd", flare::TraceSeedSimd)->Unit(milliseconds);
+    RegisterBenchmark("mesh/seed_lens_cold", flare::MeshCold, "tronnier-double-gauss-50mm-f2")
+        ->Unit(milliseconds)
+        ->UseRealTime();
+    RegisterBenchmark("mesh/zoom_cold", flare::MeshCold, "canon-zoom-70-200mm-f2_8")
         ->Unit(milliseconds)
         ->UseRealTime();
     RegisterBenchmark("render/seed_f4_1080p_warm", flare::RenderWarm, 4.0)
