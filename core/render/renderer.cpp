@@ -220,6 +220,7 @@ class Job {
             MeshKey(lens_, spec), [&] { return BuildMesh(lens_, spec); }, context_.cancel);
         if (!found) return {};
         ++(found->hit ? work.mesh_hits : work.mesh_misses);
+        if (found->from_disk) ++work.mesh_disk_hits;
         if (!found->hit) {
             work.rays_traced += found->mesh->rays_traced;
             work.ray_surfaces += found->mesh->ray_surfaces;
@@ -267,6 +268,7 @@ class Job {
         report_.work.cells += w.cells;
         report_.work.mesh_hits += w.mesh_hits;
         report_.work.mesh_misses += w.mesh_misses;
+        report_.work.mesh_disk_hits += w.mesh_disk_hits;
     }
 
     // Light a pixel to irradiance, and to scene radiance if asked; each layer twice: in the root

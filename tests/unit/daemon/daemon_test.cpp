@@ -97,7 +97,7 @@ class DaemonTest : public testing::Test {
         };
         services.lens_list = "{\"lenses\":[]}";
         services.openapi = "openapi: 3.1.0\n";
-        services.cache = [] { return CacheReadings{{.hits = 7, .misses = 3}, 12345}; };
+        services.cache = [] { return CacheReadings{{.hits = 7, .misses = 3}, 12345, {.hits = 2}}; };
         return services;
     }
 
@@ -500,6 +500,7 @@ TEST_F(DaemonTest, CountsByRouteAndNotByWhatClientsInvent) {
     EXPECT_EQ(Metric("flared_requests_total{code=\"404\",route=\"other\"}"), 2.0);
     EXPECT_EQ(Metric("flared_request_seconds_count{route=\"/v1/flare\"}"), 3.0);
     EXPECT_EQ(Metric("flared_mesh_cache_hits_total"), 7.0);
+    EXPECT_EQ(Metric("flared_mesh_disk_hits_total"), 2.0);
     EXPECT_EQ(Metric("flared_mesh_cache_misses_total"), 3.0);
     EXPECT_EQ(Metric("flared_rays_traced_total"), 12345.0);
 }
