@@ -126,6 +126,8 @@ std::string CountersTable::Text(const GaugeReadings& readings) const {
     AddDisk(readings.cache.disk, families);
     add("flared_queue_depth", "Requests that wait for a worker", MetricType::Gauge,
         static_cast<double>(readings.queue_depth));
+    add("flared_warm_jobs", "Warming that is under way", MetricType::Gauge,
+        static_cast<double>(readings.warm_jobs));
     add("flared_connections", "Open connections", MetricType::Gauge,
         static_cast<double>(readings.connections));
     add("flared_draining", "1 while the daemon is going down", MetricType::Gauge,

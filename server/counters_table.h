@@ -26,6 +26,7 @@ struct GaugeReadings {
     CacheReadings cache;
     std::size_t queue_depth = 0;
     std::size_t connections = 0;
+    std::size_t warm_jobs = 0;
     bool draining = false;
 };
 

@@ -14,6 +14,7 @@
 #include <iostream>
 #include <map>
 #include <sstream>
+#include <thread>
 
 #include "protocol/limits.h"
 #include "protocol/openapi.h"
@@ -32,6 +33,7 @@ namespace {
 constexpr int kBadUsage = 2;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::chrono::milliseconds kDrainPoll{50};
+constexpr std::chrono::milliseconds kDiskPoll{5};
 
 int Fail(int exit_code, const Error& error) {
     std::cerr << "flared: " << (error.where.empty() ? "" : error.where + ": ") << error.message
@@ -124,6 +126,7 @@ DaemonOptions OptionsFrom(const Config& config) {
     options.schedule.workers = static_cast<int>(config.workers);
     options.schedule.queue = static_cast<std::size_t>(config.queue);
     options.schedule.picture_bytes = static_cast<std::uint64_t>(config.picture_mb) * kMiB;
+    options.schedule.background = limits::kWarmJobs;
     options.schedule.deadline = std::chrono::seconds(config.deadline_s);
     return options;
 }
@@ -143,6 +146,21 @@ std::unique_ptr<DiskCache> DiskCacheFrom(const Config& config) {
     return std::make_unique<DiskCache>(std::move(options));
 }
 
+WarmTask TaskFrom(const std::shared_ptr<WarmWork>& work, ThreadPool& threads, MeshCache& meshes,
+                  const DiskCache* disk) {
+    WarmTask task;
+    task.step = [work, &threads, &meshes, disk](const CancelToken& cancel) {
+        // Tracing ahead of the disk would only have meshes dropped that are to be kept.
+        if (disk && disk->crowded()) {
+            std::this_thread::sleep_for(kDiskPoll);
+            return true;
+        }
+        return work->Step(threads, meshes, cancel);
+    };
+    task.progress = [work] { return work->progress(); };
+    return task;
+}
+
 DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
                             const DiskCache* disk) {
     const auto context = [&](const CancelToken& cancel) {
@@ -160,6 +178,11 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
     };
     services.lens = [&lenses](const std::string& name, const LensState& state) {
         return ServeLens(name, state, lenses);
+    };
+    services.warm = [&lenses, &threads, &meshes, disk](std::string_view body) -> Result<WarmTask> {
+        const Result<std::shared_ptr<WarmWork>> work = WarmWork::Plan(body, lenses);
+        if (!work) return work.error();
+        return TaskFrom(*work, threads, meshes, disk);
     };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();

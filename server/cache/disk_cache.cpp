@@ -65,12 +65,9 @@ void DiskCache::Write(const Fingerprint& key, std::shared_ptr<const GhostMesh> m
     changed_.notify_all();
 }
 
-void DiskCache::WaitForRoom(const CancelToken& cancel) {
-    constexpr std::chrono::milliseconds kPoll{10};
-    std::unique_lock lock(mutex_);
-    while (queue_bytes_ > options_.queue_bytes / 2 && !cancel.cancelled()) {
-        changed_.wait_for(lock, kPoll);
-    }
+bool DiskCache::crowded() const {
+    const std::lock_guard lock(mutex_);
+    return queue_bytes_ > options_.queue_bytes / 2;
 }
 
 bool DiskCache::WaitUntilWritten(std::chrono::milliseconds bound) {

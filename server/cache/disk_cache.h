@@ -22,7 +22,6 @@
 #include <string>
 #include <thread>
 
-#include "core/base/cancel.h"
 #include "core/base/fingerprint.h"
 #include "core/mesh/ghost_mesh.h"
 #include "server/cache/cache_folder.h"
@@ -58,8 +57,8 @@ class DiskCache {
     std::optional<GhostMesh> Read(const Fingerprint& key);
     // Returns at once.
     void Write(const Fingerprint& key, std::shared_ptr<const GhostMesh> mesh);
-    // Until less than half of the queue waits: for work that nobody waits for.
-    void WaitForRoom(const CancelToken& cancel);
+    // More than half of the queue is taken: work that nobody waits for had better wait itself.
+    bool crowded() const;
     // Until nothing waits; false if `bound` passed before.
     bool WaitUntilWritten(std::chrono::milliseconds bound);
 
