@@ -56,6 +56,11 @@ inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one
 // The model.
 inline constexpr double kMaxFourReflectionThreshold = 1e6;  // peak irradiance for E0 = 1
 
+// Warming.
+inline constexpr std::size_t kWarmLights = 4'096;  // of one request
+inline constexpr std::size_t kWarmJobs = 16;       // that are not done
+inline constexpr std::size_t kWarmJobsKept = 256;  // that can still be asked about
+
 // The ray tracer's input.
 inline constexpr std::size_t kTraceRays = 200'000;
 inline constexpr std::size_t kBounces = 8;

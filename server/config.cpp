@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <optional>
 #include <thread>
 
@@ -19,6 +20,8 @@ constexpr std::array kParameters{
               "threads that share one request; 0: one a core"},
     Parameter{"workers", &Config::workers, 0, 1'024, "requests rendered at once; 0: one a core"},
     Parameter{"cache_mb", &Config::cache_mb, 0, 1 << 20, "MiB of ghost meshes kept"},
+    Parameter{"disk_cache_mb", &Config::disk_cache_mb, 0, 1 << 24,
+              "MiB of ghost meshes kept on disk; 0: none"},
     Parameter{"picture_mb", &Config::picture_mb, 0, 1 << 24,
               "MiB of pictures in work at once; 0: half of the machine's memory"},
     Parameter{"queue", &Config::queue, 1, 65'536, "requests that may wait for a worker"},
@@ -81,6 +84,7 @@ std::string ReadNumber(const toml::node& node, const Parameter& parameter, Confi
 std::string ReadKey(std::string_view key, const toml::node& node, Config& config) {
     if (key == "listen") return ReadListen(node, config.listen);
     if (key == "lenses") return ReadText(node, config.lenses);
+    if (key == "disk_cache") return ReadText(node, config.disk_cache);
     if (key == "log_level") return ReadText(node, config.log_level);
     if (key == "socket_mode") return ReadText(node, config.socket_mode);
     if (key == "allow_remote") {
@@ -104,6 +108,19 @@ std::optional<unsigned> ParseMode(std::string_view text) {
     }
     if (mode > 0777) return std::nullopt;
     return mode;
+}
+
+// By the XDG base directory specification, which takes absolute paths alone.
+std::string UserCacheFolder() {
+    const auto absolute = [](const char* name) -> std::string {
+        const char* const value = std::getenv(name);
+        return value && value[0] == '/' ? value : "";
+    };
+    if (const std::string cache = absolute("XDG_CACHE_HOME"); !cache.empty()) {
+        return cache + "/flared";
+    }
+    const std::string home = absolute("HOME");
+    return home.empty() ? "" : home + "/.cache/flared";
 }
 
 }  // namespace
@@ -157,6 +174,8 @@ Config FillFromMachine(Config config) {
     const std::int64_t cores = std::max(1U, std::thread::hardware_concurrency());
     if (config.threads == 0) config.threads = cores;
     if (config.workers == 0) config.workers = cores;
+    if (config.disk_cache.empty()) config.disk_cache = UserCacheFolder();
+    if (config.disk_cache.empty()) config.disk_cache_mb = 0;
     if (config.picture_mb == 0) {
         const std::int64_t pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
         config.picture_mb = std::max<std::int64_t>(256, pages * page / 2 >> 20);

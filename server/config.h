@@ -17,7 +17,8 @@ namespace flare {
 
 struct Config {
     std::vector<std::string> listen{"http://127.0.0.1:7411"};
-    std::string lenses;  // folder; "": the library that belongs to the program
+    std::string lenses;      // folder; "": the library that belongs to the program
+    std::string disk_cache;  // folder of mesh files; "": the user's cache folder
     std::string log_level = "info";
     std::string socket_mode = "0600";  // octal permissions of a Unix socket
     bool allow_remote = false;
@@ -25,7 +26,8 @@ struct Config {
     std::int64_t threads = 0;  // 0: one a core
     std::int64_t workers = 0;  // 0: one a core
     std::int64_t cache_mb = 1'024;
-    std::int64_t picture_mb = 0;  // 0: half of the machine's memory
+    std::int64_t disk_cache_mb = 4'096;  // 0: no disk cache
+    std::int64_t picture_mb = 0;         // 0: half of the machine's memory
     std::int64_t queue = 64;
     std::int64_t deadline_s = 300;
     std::int64_t drain_s = 30;
@@ -56,7 +58,9 @@ Result<std::int64_t> CheckParameter(const Parameter& parameter, std::int64_t val
 // Checks the texts of a config from any source: log level, socket mode, at least one address.
 Result<Config> CheckConfig(Config config);
 
-// Numbers that were left to the machine are filled in.
+// Numbers that were left to the machine are filled in, and the folder of the disk cache:
+// $XDG_CACHE_HOME/flared or ~/.cache/flared. Without a home there is no disk cache: disk_cache_mb
+// is then 0.
 Config FillFromMachine(Config config);
 
 }  // namespace flare

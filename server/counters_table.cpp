@@ -33,6 +33,32 @@ MetricFamily Single(const char* name, const char* help, MetricType type, double 
     return family;
 }
 
+void AddDisk(const DiskCacheStats& disk, std::vector<MetricFamily>& families) {
+    const auto add = [&](const char* name, const char* help, MetricType type, std::uint64_t value) {
+        families.push_back(Single(name, help, type, static_cast<double>(value)));
+    };
+    const auto count = [&](const char* name, const char* help, std::uint64_t value) {
+        add(name, help, MetricType::Counter, value);
+    };
+    count("flared_mesh_disk_hits_total", "Meshes read from disk", disk.hits);
+    count("flared_mesh_disk_misses_total", "Meshes that were not on disk", disk.misses);
+    count("flared_mesh_disk_discarded_total", "Mesh files that were torn or foreign",
+          disk.discarded);
+    count("flared_mesh_disk_read_bytes_total", "Bytes of the meshes read from disk",
+          disk.read_bytes);
+    count("flared_mesh_disk_writes_total", "Meshes written to disk", disk.writes);
+    count("flared_mesh_disk_written_bytes_total", "Bytes of the meshes written to disk",
+          disk.written_bytes);
+    count("flared_mesh_disk_dropped_total", "Meshes not written because too many waited",
+          disk.dropped);
+    count("flared_mesh_disk_failed_total", "Meshes that could not be written", disk.failed);
+    count("flared_mesh_disk_evictions_total", "Mesh files removed to make room", disk.evictions);
+    add("flared_mesh_disk_bytes", "Bytes of the mesh files", MetricType::Gauge, disk.file_bytes);
+    add("flared_mesh_disk_files", "Mesh files", MetricType::Gauge, disk.files);
+    add("flared_mesh_disk_queue_bytes", "Bytes of the meshes that wait to be written",
+        MetricType::Gauge, disk.queue_bytes);
+}
+
 }  // namespace
 
 struct CountersTable::State {
@@ -87,9 +113,9 @@ std::string CountersTable::Text(const GaugeReadings& readings) const {
     const CacheStats& cache = readings.cache.meshes;
     add("flared_rays_traced_total", "Rays traced through lenses for ghost meshes",
         MetricType::Counter, static_cast<double>(readings.cache.rays_traced));
-    add("flared_mesh_cache_hits_total", "Meshes that nobody had to trace", MetricType::Counter,
+    add("flared_mesh_cache_hits_total", "Meshes had from memory", MetricType::Counter,
         static_cast<double>(cache.hits));
-    add("flared_mesh_cache_misses_total", "Meshes that were traced", MetricType::Counter,
+    add("flared_mesh_cache_misses_total", "Meshes read from disk or traced", MetricType::Counter,
         static_cast<double>(cache.misses));
     add("flared_mesh_cache_evictions_total", "Meshes dropped to make room", MetricType::Counter,
         static_cast<double>(cache.evictions));
@@ -97,8 +123,11 @@ std::string CountersTable::Text(const GaugeReadings& readings) const {
         static_cast<double>(cache.bytes));
     add("flared_mesh_cache_entries", "Meshes kept", MetricType::Gauge,
         static_cast<double>(cache.entries));
+    AddDisk(readings.cache.disk, families);
     add("flared_queue_depth", "Requests that wait for a worker", MetricType::Gauge,
         static_cast<double>(readings.queue_depth));
+    add("flared_warm_jobs", "Warming that is under way", MetricType::Gauge,
+        static_cast<double>(readings.warm_jobs));
     add("flared_connections", "Open connections", MetricType::Gauge,
         static_cast<double>(readings.connections));
     add("flared_draining", "1 while the daemon is going down", MetricType::Gauge,

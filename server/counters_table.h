@@ -10,6 +10,7 @@
 #include <memory>
 #include <string>
 
+#include "server/cache/disk_cache.h"
 #include "server/cache/single_flight_cache.h"
 
 namespace flare {
@@ -17,6 +18,7 @@ namespace flare {
 struct CacheReadings {
     CacheStats meshes;
     std::uint64_t rays_traced = 0;  // for all meshes that were ever built
+    DiskCacheStats disk{};          // zeros where there is none
 };
 
 // What is read at the moment somebody asks.
@@ -24,6 +26,7 @@ struct GaugeReadings {
     CacheReadings cache;
     std::size_t queue_depth = 0;
     std::size_t connections = 0;
+    std::size_t warm_jobs = 0;
     bool draining = false;
 };
 

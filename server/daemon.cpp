@@ -19,6 +19,7 @@
 #include "server/refusals.h"
 #include "server/report_store.h"
 #include "server/routes.h"
+#include "server/warm_jobs.h"
 
 namespace flare {
 namespace {
@@ -68,6 +69,8 @@ class Daemon::Handler final : public HttpHandler {
                     const ExchangePtr& exchange);
     void SubmitGhosts(const HttpRequest& request, const std::string& lens,
                       const ExchangePtr& exchange);
+    void SubmitWarm(HttpRequest request, const ExchangePtr& exchange);
+    HttpReply WarmReply(const Route& route, std::string_view method);
     template <class Work>
     void SubmitJson(const HttpRequest& request, const ExchangePtr& exchange, const Work& work);
     void Submit(Job job, const ExchangePtr& exchange);
@@ -82,6 +85,7 @@ class Daemon::Handler final : public HttpHandler {
     const DaemonServices services_;
     CountersTable counters_;
     ReportStore reports_;
+    WarmJobs warm_jobs_;
     Scheduler scheduler_;
     std::atomic<bool> draining_ = false;
     std::atomic<const HttpServer*> server_ = nullptr;
@@ -102,9 +106,11 @@ std::optional<HttpReply> Daemon::Handler::Refuse(const HttpHead& head) {
         reply = ErrorReply(501, {"unsupported", head.path + " is not built yet", ""});
     } else if (route->id == RouteId::kFlare) {
         reply = RefuseFlareHead(head);
+    } else if (route->id == RouteId::kWarm || head.method == "DELETE") {
+        reply = RefuseWorkHead(head);
     }
     const bool is_work = route && (route->id == RouteId::kFlare || route->id == RouteId::kLens ||
-                                   route->id == RouteId::kGhosts);
+                                   route->id == RouteId::kGhosts || route->id == RouteId::kWarm);
     if (!reply && is_work && draining_) reply = RefusalReply(Refusal::kDraining);
     if (reply)
         counters_.CountRequest(route ? std::string(route->pattern) : "other", reply->status, 0.0);
@@ -146,8 +152,12 @@ void Daemon::Handler::Handle(HttpRequest request, Done done) {
     if (route->id == RouteId::kGhosts) {
         return SubmitGhosts(request, route->name, exchange);
     }
+    if (route->id == RouteId::kWarm) return SubmitWarm(std::move(request), exchange);
     if (!request.head.query.empty()) {
         return Answer(ErrorReply(400, {"bad_query", "this route takes no query", "?"}), exchange);
+    }
+    if (route->id == RouteId::kWarmJob) {
+        return Answer(WarmReply(*route, request.head.method), exchange);
     }
     Answer(AnswerNow(*route), exchange);
 }
@@ -170,6 +180,8 @@ HttpReply Daemon::Handler::AnswerNow(const Route& route) {
         case RouteId::kFlare:
         case RouteId::kLens:
         case RouteId::kGhosts:
+        case RouteId::kWarm:
+        case RouteId::kWarmJob:
         case RouteId::kNotBuilt:
             break;
     }
@@ -181,6 +193,7 @@ HttpReply Daemon::Handler::Metrics() const {
     readings.cache = services_.cache();
     readings.queue_depth = scheduler_.queued();
     if (const HttpServer* server = server_) readings.connections = server->connections();
+    readings.warm_jobs = warm_jobs_.under_way();
     readings.draining = draining_;
     return TextReply("text/plain; version=0.0.4; charset=utf-8", counters_.Text(readings));
 }
@@ -238,6 +251,38 @@ void Daemon::Handler::SubmitGhosts(const HttpRequest& request, const std::string
     SubmitJson(request, exchange, [this, lens, query = *query](const CancelToken& cancel) {
         return services_.ghosts(lens, query, cancel);
     });
+}
+
+// Understanding the body is an ordinary job; what it asks for goes on in the background.
+void Daemon::Handler::SubmitWarm(HttpRequest request, const ExchangePtr& exchange) {
+    const auto body = std::make_shared<const std::string>(std::move(request.body));
+    Job job;
+    job.cancel = request.cancel;
+    job.run = [this, body, exchange](const JobTicket& ticket) {
+        RunGuarded(ticket, exchange, [&] {
+            const Result<WarmTask> task = services_.warm(*body);
+            if (!task) return AnswerError(task.error(), ticket, exchange);
+            const WarmJobs::JobPtr started = warm_jobs_.Add(reports_.NewId(), *task);
+            const std::optional<Refusal> refusal = scheduler_.SubmitBackground(
+                {started->cancel(), [started] { return started->Step(); }});
+            if (refusal) {
+                warm_jobs_.Remove(started->id());
+                return Answer(RefusalReply(*refusal), exchange);
+            }
+            HttpReply reply = TextReply(kJson, started->Json());
+            reply.status = 202;
+            reply.fields.emplace_back("Location", "/v1/warm/" + started->id());
+            Answer(std::move(reply), exchange);
+        });
+    };
+    Submit(std::move(job), exchange);
+}
+
+HttpReply Daemon::Handler::WarmReply(const Route& route, std::string_view method) {
+    const WarmJobs::JobPtr job = warm_jobs_.Find(route.name);
+    if (!job) return ErrorReply(404, {"not_found", "no warming '" + route.name + "'", ""});
+    if (method == "DELETE") job->cancel().Cancel();
+    return TextReply(kJson, job->Json());
 }
 
 // `work` gives a JSON text or an error.

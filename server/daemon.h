@@ -21,6 +21,7 @@
 #include "server/schedule/scheduler.h"
 #include "server/service.h"
 #include "server/translate/ghost_query.h"
+#include "server/warm_work.h"
 
 namespace flare {
 
@@ -41,6 +42,9 @@ struct DaemonServices {
     std::string lens_list;     // JSON
     std::string_view openapi;  // YAML; outlives the daemon
     std::function<CacheReadings()> cache;
+    // What POST /v1/warm asks for, understood and checked; its steps come from one thread at a
+    // time.
+    std::function<Result<WarmTask>(std::string_view body)> warm;
 };
 
 struct DaemonOptions {

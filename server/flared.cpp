@@ -14,10 +14,13 @@
 #include <iostream>
 #include <map>
 #include <sstream>
+#include <thread>
 
 #include "protocol/limits.h"
 #include "protocol/openapi.h"
+#include "server/cache/disk_cache.h"
 #include "server/cache/mesh_cache.h"
+#include "server/cache/program_identity.h"
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/lens_services.h"
@@ -30,6 +33,7 @@ namespace {
 constexpr int kBadUsage = 2;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::chrono::milliseconds kDrainPoll{50};
+constexpr std::chrono::milliseconds kDiskPoll{5};
 
 int Fail(int exit_code, const Error& error) {
     std::cerr << "flared: " << (error.where.empty() ? "" : error.where + ": ") << error.message
@@ -38,7 +42,7 @@ int Fail(int exit_code, const Error& error) {
 }
 
 struct CommandLine {
-    std::string config_file, lenses, log_level;
+    std::string config_file, lenses, disk_cache, log_level;
     std::vector<std::string> listen;
     std::map<std::string, std::int64_t> numbers;  // by parameter
 };
@@ -47,6 +51,7 @@ void DescribeOptions(CLI::App& app, CommandLine& line) {
     app.set_version_flag("--version", std::string("flared " FLARE_VERSION));
     app.add_option("--config", line.config_file, "TOML file; the command line overrides it");
     app.add_option("--lenses", line.lenses, "folder of lens files");
+    app.add_option("--disk-cache", line.disk_cache, "folder of mesh files that outlive the daemon");
     app.add_option("--listen", line.listen, "unix:/path or http://127.0.0.1:PORT; may be repeated")
         ->allow_extra_args(false);
     app.add_option("--log-level", line.log_level, "trace, debug, info, warn, error or off");
@@ -82,6 +87,7 @@ Result<Config> MakeConfig(const CommandLine& line) {
     }
     if (!line.listen.empty()) config.listen = line.listen;
     if (!line.lenses.empty()) config.lenses = line.lenses;
+    if (!line.disk_cache.empty()) config.disk_cache = line.disk_cache;
     if (!line.log_level.empty()) config.log_level = line.log_level;
     for (const Parameter& parameter : Parameters()) {
         const auto given = line.numbers.find(std::string(parameter.name));
@@ -120,6 +126,7 @@ DaemonOptions OptionsFrom(const Config& config) {
     options.schedule.workers = static_cast<int>(config.workers);
     options.schedule.queue = static_cast<std::size_t>(config.queue);
     options.schedule.picture_bytes = static_cast<std::uint64_t>(config.picture_mb) * kMiB;
+    options.schedule.background = limits::kWarmJobs;
     options.schedule.deadline = std::chrono::seconds(config.deadline_s);
     return options;
 }
@@ -129,7 +136,33 @@ double NowMs() {
     return std::chrono::duration<double, std::milli>(now).count();
 }
 
-DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes) {
+std::unique_ptr<DiskCache> DiskCacheFrom(const Config& config) {
+    if (config.disk_cache_mb == 0) return nullptr;
+    DiskCacheOptions options;
+    options.folder = config.disk_cache;
+    options.max_bytes = static_cast<std::uint64_t>(config.disk_cache_mb) * kMiB;
+    options.identity = ProgramIdentity();
+    options.log = [](const std::string& text) { spdlog::warn("{}", text); };
+    return std::make_unique<DiskCache>(std::move(options));
+}
+
+WarmTask TaskFrom(const std::shared_ptr<WarmWork>& work, ThreadPool& threads, MeshCache& meshes,
+                  const DiskCache* disk) {
+    WarmTask task;
+    task.step = [work, &threads, &meshes, disk](const CancelToken& cancel) {
+        // Tracing ahead of the disk would only have meshes dropped that are to be kept.
+        if (disk && disk->crowded()) {
+            std::this_thread::sleep_for(kDiskPoll);
+            return true;
+        }
+        return work->Step(threads, meshes, cancel);
+    };
+    task.progress = [work] { return work->progress(); };
+    return task;
+}
+
+DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
+                            const DiskCache* disk) {
     const auto context = [&](const CancelToken& cancel) {
         return ServiceContext{lenses, threads, meshes, cancel, NowMs};
     };
@@ -146,9 +179,17 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
     services.lens = [&lenses](const std::string& name, const LensState& state) {
         return ServeLens(name, state, lenses);
     };
+    services.warm = [&lenses, &threads, &meshes, disk](std::string_view body) -> Result<WarmTask> {
+        const Result<std::shared_ptr<WarmWork>> work = WarmWork::Plan(body, lenses);
+        if (!work) return work.error();
+        return TaskFrom(*work, threads, meshes, disk);
+    };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();
-    services.cache = [&meshes] { return CacheReadings{meshes.stats(), meshes.rays_traced()}; };
+    services.cache = [&meshes, disk] {
+        return CacheReadings{meshes.stats(), meshes.rays_traced(),
+                             disk ? disk->stats() : DiskCacheStats{}};
+    };
     return services;
 }
 
@@ -194,13 +235,16 @@ int Serve(const Config& config) {
     for (const ListeningSocket& socket : *sockets) urls.push_back(socket.url());
 
     ThreadPool threads(static_cast<int>(config.threads));
-    MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB);
-    Daemon daemon(OptionsFrom(config), ServicesFrom(*lenses, threads, meshes), std::move(*sockets));
+    const std::unique_ptr<DiskCache> disk = DiskCacheFrom(config);
+    MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB, disk.get());
+    Daemon daemon(OptionsFrom(config), ServicesFrom(*lenses, threads, meshes, disk.get()),
+                  std::move(*sockets));
     // Scripts wait for these lines and read the port from them.
     for (const std::string& url : urls) std::cout << "listening " << url << '\n';
     std::cout << std::flush;
-    spdlog::info("{} lenses from {}; {} workers, {} threads", lenses->Names().size(), folder,
-                 config.workers, config.threads);
+    spdlog::info("{} lenses from {}; {} workers, {} threads; meshes {}", lenses->Names().size(),
+                 folder, config.workers, config.threads,
+                 disk ? "also in " + config.disk_cache : "in memory alone");
     ServeUntilStopped(daemon, config);
     return 0;
 }

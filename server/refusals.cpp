@@ -76,7 +76,7 @@ RefusalWords WordsFor(Refusal refusal) {
     return {"", {"cancelled", "the client left", ""}};
 }
 
-std::optional<HttpReply> RefuseFlareHead(const HttpHead& head) {
+std::optional<HttpReply> RefuseWorkHead(const HttpHead& head) {
     if (FromForeignPage(head.fields)) {
         return ErrorReply(403, {"forbidden", "a page of another origin may not ask for work", ""});
     }
@@ -91,14 +91,17 @@ std::optional<HttpReply> RefuseFlareHead(const HttpHead& head) {
                           {"unsupported_media_type",
                            "the body is not to be encoded ('" + std::string(*coding) + "')", ""});
     }
-    if (!FormatForAccept(FieldValue(head.fields, "Accept"))) {
-        return ErrorReply(
-            406, {"not_acceptable", "a picture can be had as " + std::string(kPictureTypes), ""});
-    }
     if (!head.query.empty()) {
-        return ErrorReply(400, {"bad_query", "/v1/flare takes no query", "?"});
+        return ErrorReply(400, {"bad_query", head.path + " takes no query", "?"});
     }
     return std::nullopt;
+}
+
+std::optional<HttpReply> RefuseFlareHead(const HttpHead& head) {
+    if (auto reply = RefuseWorkHead(head)) return reply;
+    if (FormatForAccept(FieldValue(head.fields, "Accept"))) return std::nullopt;
+    return ErrorReply(
+        406, {"not_acceptable", "a picture can be had as " + std::string(kPictureTypes), ""});
 }
 
 }  // namespace flare

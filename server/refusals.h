@@ -27,7 +27,9 @@ struct RefusalWords {
 };
 RefusalWords WordsFor(Refusal refusal);
 
-// What is wrong with the head of POST /v1/flare, if anything.
+// What is wrong with the head of a request for work with a JSON body, if anything.
+std::optional<HttpReply> RefuseWorkHead(const HttpHead& head);
+// The same of POST /v1/flare, which must be able to answer in a form that is wanted.
 std::optional<HttpReply> RefuseFlareHead(const HttpHead& head);
 
 }  // namespace flare

@@ -13,6 +13,7 @@ struct Pattern {
     RouteId id;
     std::string_view path;  // a part in capitals stands for any one part
     bool post = false;
+    bool can_delete = false;
 };
 
 constexpr std::array kPatterns{
@@ -25,7 +26,8 @@ constexpr std::array kPatterns{
     Pattern{RouteId::kMetrics, "/metrics"},
     Pattern{RouteId::kHealthz, "/healthz"},
     Pattern{RouteId::kReadyz, "/readyz"},
-    Pattern{RouteId::kNotBuilt, "/v1/warm", true},
+    Pattern{RouteId::kWarm, "/v1/warm", true},
+    Pattern{RouteId::kWarmJob, "/v1/warm/ID", false, true},
     Pattern{RouteId::kNotBuilt, "/v1/encoders"},
     Pattern{RouteId::kNotBuilt, "/v1/live"},
     Pattern{RouteId::kNotBuilt, "/"},
@@ -51,13 +53,15 @@ std::optional<std::string> Match(std::string_view pattern, std::string_view path
 }  // namespace
 
 bool Route::allows(std::string_view method) const {
-    return post ? method == "POST" : method == "GET" || method == "HEAD";
+    if (post) return method == "POST";
+    return method == "GET" || method == "HEAD" || (can_delete && method == "DELETE");
 }
 
 std::optional<Route> FindRoute(std::string_view path) {
     for (const Pattern& pattern : kPatterns) {
         if (std::optional<std::string> name = Match(pattern.path, path)) {
-            return Route{pattern.id, pattern.path, pattern.post, std::move(*name)};
+            return Route{pattern.id, pattern.path, pattern.post, pattern.can_delete,
+                         std::move(*name)};
         }
     }
     return std::nullopt;

@@ -15,6 +15,8 @@ enum class RouteId {
     kLens,
     kGhosts,
     kReport,
+    kWarm,
+    kWarmJob,
     kOpenApi,
     kMetrics,
     kHealthz,
@@ -26,9 +28,12 @@ struct Route {
     RouteId id;
     std::string_view pattern;  // "/v1/lenses/NAME"
     bool post = false;         // else GET, and with it HEAD
+    bool can_delete = false;   // and DELETE
     std::string name;          // what stands at NAME or ID, decoded
 
-    std::string_view allow() const { return post ? "POST" : "GET, HEAD"; }
+    std::string_view allow() const {
+        return post ? "POST" : can_delete ? "GET, HEAD, DELETE" : "GET, HEAD";
+    }
     bool allows(std::string_view method) const;
 };
 

@@ -24,10 +24,12 @@ class MeshProvider {
 
     // The mesh named `key`. Calls `build` in this thread if nobody has it; may wait for another
     // thread that is building the same key. Called from several threads at once. Fails only with
-    // code "cancelled". `hit` tells whether no ray had to be traced for this call.
+    // code "cancelled". `hit` tells whether no ray had to be traced for this call, `from_disk`
+    // whether the mesh was read from a file for it instead.
     struct Found {
         std::shared_ptr<const GhostMesh> mesh;
         bool hit = false;
+        bool from_disk = false;
     };
     virtual Result<Found> Get(const Fingerprint& key, const Build& build,
                               const CancelToken& cancel) = 0;

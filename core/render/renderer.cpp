@@ -16,6 +16,7 @@
 #include "core/optics/paraxial.h"
 #include "core/render/ghost_choice.h"
 #include "core/render/ghost_estimate.h"
+#include "core/render/light_meshes.h"
 #include "core/render/lights.h"
 #include "core/render/picture.h"
 #include "core/render/quality.h"
@@ -133,16 +134,6 @@ class Job {
         report_.facts.lights.push_back(facts);
     }
 
-    // Few wavelengths are traced exactly; for more, positions come from a few traced nodes.
-    std::vector<double> TracedNodes() const {
-        if (!spectral_)
-            return ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, settings_.traced_wavelengths);
-        const std::vector<double>& list = request_.wavelengths_nm;
-        if (list.size() <= 3) return list;
-        const auto [lo, hi] = std::minmax_element(list.begin(), list.end());
-        return ChebyshevNodes(*lo, *hi, 4);
-    }
-
     LightColour ColourOf(const PlacedLight& light) const {
         LightColour colour;
         colour.spectral = spectral_;
@@ -233,17 +224,12 @@ class Job {
     // One ghost of one light, ready to draw. Writes only its own slots.
     TiledGhost Prepare(const PlacedLight& light, std::size_t index, Work& work) {
         if (context_.cancel.cancelled()) return {};
-        MeshSpec spec = MeshSpecOf(report_.facts.ghosts[index].sequence, light);
-        spec.wavelengths_nm = TracedNodes();
-        spec.cells = settings_.mesh_cells;
-        spec.arithmetic = settings_.arithmetic;
-        spec.patch_cells = settings_.patch_cells;
-        spec.position_tolerance_mm = settings_.position_tolerance_mm;
-        spec.mask_tolerance = settings_.mask_tolerance;
+        const MeshSpec spec = MeshSpecFor(request_, report_.facts.ghosts[index].sequence, light);
         const Result<MeshProvider::Found> found = context_.meshes.Get(
             MeshKey(lens_, spec), [&] { return BuildMesh(lens_, spec); }, context_.cancel);
         if (!found) return {};
         ++(found->hit ? work.mesh_hits : work.mesh_misses);
+        if (found->from_disk) ++work.mesh_disk_hits;
         if (!found->hit) {
             work.rays_traced += found->mesh->rays_traced;
             work.ray_surfaces += found->mesh->ray_surfaces;
@@ -322,6 +308,7 @@ class Job {
         report_.work.cells += w.cells;
         report_.work.mesh_hits += w.mesh_hits;
         report_.work.mesh_misses += w.mesh_misses;
+        report_.work.mesh_disk_hits += w.mesh_disk_hits;
     }
 
     // Light a pixel to irradiance, and to scene radiance if asked; each layer twice: in the root

@@ -60,6 +60,7 @@ struct Work {
     std::uint64_t polygons = 0;   // pieces of cells spread over pixels
     std::uint64_t fragments = 0;  // pixels touched, counted once a piece
     std::uint64_t mesh_hits = 0, mesh_misses = 0;
+    std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
     double mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
 };
 

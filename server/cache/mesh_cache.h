@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The daemon's ghost meshes in memory: see single_flight_cache.h for what is promised. `max_bytes`
-// bounds the meshes that are kept, not those that renders in flight still hold.
+// The daemon's ghost meshes: in memory (see single_flight_cache.h for what is promised), and behind
+// that, if it is given one, on disk. What memory does not have is read from disk or else traced, by
+// one caller for all; what was traced is written to disk afterwards, in the background. `max_bytes`
+// bounds the meshes that are kept in memory, not those that renders in flight still hold.
 #pragma once
 
 #include <atomic>
@@ -9,13 +11,15 @@
 #include <cstdint>
 
 #include "core/mesh/mesh_provider.h"
+#include "server/cache/disk_cache.h"
 #include "server/cache/single_flight_cache.h"
 
 namespace flare {
 
 class MeshCache final : public MeshProvider {
   public:
-    explicit MeshCache(std::size_t max_bytes);
+    // `disk` may be null; it outlives the cache.
+    explicit MeshCache(std::size_t max_bytes, DiskCache* disk = nullptr);
 
     Result<Found> Get(const Fingerprint& key, const Build& build,
                       const CancelToken& cancel) override;
@@ -24,6 +28,7 @@ class MeshCache final : public MeshProvider {
     std::uint64_t rays_traced() const { return rays_traced_; }
 
   private:
+    DiskCache* const disk_;
     std::atomic<std::uint64_t> rays_traced_ = 0;
     SingleFlightCache<GhostMesh> cache_;
 };

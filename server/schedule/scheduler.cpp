@@ -55,7 +55,14 @@ struct Scheduler::State {
     bool stop = false;
     std::vector<std::thread> threads;
 
+    std::deque<BackgroundWork> background;  // takes turns
+    std::optional<CancelToken> in_step;     // of the background work that is being done
+
     bool idle() const { return queue.empty() && running.empty(); }
+    bool may_step() const { return idle() && !background.empty() && !in_step; }
+    void NoteIdle();
+    void StepBackground(std::unique_lock<std::mutex>& lock);
+    void DropBackground();
 
     void Work();
     void RunOne(Admitted& admitted, std::unique_lock<std::mutex>& lock);
@@ -96,6 +103,18 @@ std::optional<Refusal> Scheduler::Submit(Job job) {
     return std::nullopt;
 }
 
+std::optional<Refusal> Scheduler::SubmitBackground(BackgroundWork work) {
+    const std::lock_guard lock(state_->mutex);
+    if (state_->draining) return Refusal::kDraining;
+    std::erase_if(state_->background,
+                  [](const BackgroundWork& other) { return other.cancel.cancelled(); });
+    const std::size_t steps = state_->in_step ? 1 : 0;
+    if (state_->background.size() + steps >= state_->limits.background) return Refusal::kQueueFull;
+    state_->background.push_back(std::move(work));
+    state_->work_came.notify_one();
+    return std::nullopt;
+}
+
 std::size_t Scheduler::queued() const {
     const std::lock_guard lock(state_->mutex);
     return state_->queue.size();
@@ -111,6 +130,7 @@ int Scheduler::RetryAfterSeconds() const {
 void Scheduler::StopAdmitting() {
     const std::lock_guard lock(state_->mutex);
     state_->draining = true;
+    state_->DropBackground();
 }
 
 bool Scheduler::WaitUntilIdle(std::chrono::milliseconds bound) {
@@ -121,6 +141,7 @@ bool Scheduler::WaitUntilIdle(std::chrono::milliseconds bound) {
 void Scheduler::CutOff() {
     std::unique_lock lock(state_->mutex);
     state_->draining = true;
+    state_->DropBackground();
     state_->CutAll();
     state_->watch_needed.notify_one();
     state_->became_idle.wait(lock, [this] { return state_->idle(); });
@@ -141,8 +162,12 @@ void Scheduler::State::CutAll() {
 void Scheduler::State::Work() {
     std::unique_lock lock(mutex);
     for (;;) {
-        work_came.wait(lock, [this] { return stop || !queue.empty(); });
-        if (queue.empty()) return;
+        work_came.wait(lock, [this] { return stop || !queue.empty() || may_step(); });
+        if (queue.empty()) {
+            if (stop) return;
+            StepBackground(lock);
+            continue;
+        }
         Admitted admitted = std::move(queue.front());
         queue.pop_front();
         running.push_back({admitted.ticket, admitted.deadline});
@@ -150,8 +175,32 @@ void Scheduler::State::Work() {
         std::erase_if(running, [&ticket = admitted.ticket](const Running& job) {
             return job.ticket == ticket;
         });
-        if (idle()) became_idle.notify_all();
+        NoteIdle();
     }
+}
+
+void Scheduler::State::NoteIdle() {
+    if (!idle()) return;
+    became_idle.notify_all();
+    if (may_step()) work_came.notify_one();
+}
+
+// Enters and leaves with the lock, and steps without it.
+void Scheduler::State::StepBackground(std::unique_lock<std::mutex>& lock) {
+    BackgroundWork work = std::move(background.front());
+    background.pop_front();
+    in_step = work.cancel;
+    lock.unlock();
+    const bool more = !work.cancel.cancelled() && work.step();
+    lock.lock();
+    in_step.reset();
+    if (more && !draining && !work.cancel.cancelled()) background.push_back(std::move(work));
+}
+
+void Scheduler::State::DropBackground() {
+    for (const BackgroundWork& work : background) work.cancel.Cancel();
+    if (in_step) in_step->Cancel();
+    background.clear();
 }
 
 // Enters and leaves with the lock, and calls the job's functions without it.
@@ -226,7 +275,7 @@ void Scheduler::State::RefuseDeadJobs(std::unique_lock<std::mutex>& lock) {
             return job.ticket == ticket;
         });
     }
-    if (idle()) became_idle.notify_all();
+    NoteIdle();
 }
 
 }  // namespace flare

@@ -5,6 +5,10 @@
 // by its bytes of picture when it starts; it is given up when its deadline passes, counted from
 // admission, or when its token is cancelled. Every admitted job gets exactly one call, of `run` or
 // of `refuse`. Safe from any thread.
+//
+// Background work is done in steps, one at a time and only while no job waits or runs; a job that
+// comes waits for a worker for one step at the longest. It has no deadline, and the end of
+// admission is its end.
 #pragma once
 
 #include <atomic>
@@ -33,6 +37,7 @@ struct ScheduleLimits {
     std::size_t queue = 64;
     std::uint64_t picture_bytes = std::uint64_t{1} << 30;  // of all running jobs together
     std::chrono::milliseconds deadline{300'000};
+    std::size_t background = 16;  // pieces of background work at once
 };
 
 // What a running job may ask about itself.
@@ -59,6 +64,12 @@ struct Job {
     std::function<void(Refusal)> refuse;
 };
 
+// Once its token is set `step` is not called again.
+struct BackgroundWork {
+    CancelToken cancel;
+    std::function<bool()> step;  // some milliseconds of work; true: there is more
+};
+
 class Scheduler {
   public:
     explicit Scheduler(const ScheduleLimits& limits);
@@ -69,6 +80,10 @@ class Scheduler {
     // A refusal (kQueueFull or kDraining) means that the job was not taken: none of its functions
     // is called. Otherwise they are called from another thread, perhaps before this returns.
     std::optional<Refusal> Submit(Job job);
+
+    // Takes turns with other background work. A refusal (kQueueFull or kDraining) as above. When
+    // the scheduler stops admitting, the tokens of what is left are set.
+    std::optional<Refusal> SubmitBackground(BackgroundWork work);
 
     std::size_t queued() const;
     // A guess, from how long jobs take of late, at when a refused caller may find room: 1 to 60.

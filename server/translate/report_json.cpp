@@ -55,6 +55,7 @@ void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Member("fragments", work.fragments);
     json.Member("pixels", static_cast<std::uint64_t>(reply.window.pixels()));
     json.Member("mesh_cache_hits", work.mesh_hits).Member("mesh_cache_misses", work.mesh_misses);
+    json.Member("mesh_disk_hits", work.mesh_disk_hits);
     json.Member("threads", reply.threads);
     json.Key("time_ms").BeginInlineObject();
     json.Member("mesh", work.mesh_ms).Member("raster", work.raster_ms);

@@ -93,7 +93,8 @@ def exr_attributes(body):
 
 
 class Daemon:
-    """A running flared on a Unix socket and on a TCP port of its own choice."""
+    """A running flared on a Unix socket and on a TCP port of its own choice. It keeps meshes on disk
+    only if its options name a folder."""
 
     def __init__(self, *options, folder=None, tcp=True):
         self.own_folder = folder is None
@@ -103,6 +104,8 @@ class Daemon:
         command = [FLARED, "--listen", "unix:" + self.socket_path]
         if tcp:
             command += ["--listen", "http://127.0.0.1:0"]
+        if "--disk-cache" not in options:
+            command += ["--disk-cache-mb", "0"]
         with open(self.log_path, "ab") as log:
             self.process = subprocess.Popen(
                 command + list(options), stdout=subprocess.PIPE, stderr=log, text=True)

@@ -28,6 +28,7 @@ TEST(Config, ReadsTheRest) {
     const auto config = ReadConfig(R"(
 listen = ["unix:/run/f.sock", "http://127.0.0.1:0"]
 lenses = "/srv/lenses"
+disk_cache = "/var/cache/f"
 log_level = "debug"
 socket_mode = "0660"
 allow_remote = true
@@ -36,6 +37,7 @@ allow_remote = true
     ASSERT_TRUE(config.ok());
     EXPECT_EQ(config->listen, (std::vector<std::string>{"unix:/run/f.sock", "http://127.0.0.1:0"}));
     EXPECT_EQ(config->lenses, "/srv/lenses");
+    EXPECT_EQ(config->disk_cache, "/var/cache/f");
     EXPECT_EQ(config->log_level, "debug");
     EXPECT_EQ(config->socket_mode_bits(), 0660U);
     EXPECT_TRUE(config->allow_remote);
@@ -57,6 +59,7 @@ TEST(Config, SaysWhereItIsWrong) {
         {"allow_remote = 1", "line 1, column 1"},
         {"[http]\nqueue = 1", "line 1, column 2"},
         {"lenses = 1", "line 1, column 1"},
+        {"disk_cache = true", "line 1, column 1"},
         {"queue = ", "line 1, column 9"},
     };
     for (const auto& row : kBad) {

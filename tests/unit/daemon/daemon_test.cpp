@@ -97,7 +97,7 @@ class DaemonTest : public testing::Test {
         };
         services.lens_list = "{\"lenses\":[]}";
         services.openapi = "openapi: 3.1.0\n";
-        services.cache = [] { return CacheReadings{{.hits = 7, .misses = 3}, 12345}; };
+        services.cache = [] { return CacheReadings{{.hits = 7, .misses = 3}, 12345, {.hits = 2}}; };
         return services;
     }
 
@@ -206,7 +206,8 @@ TEST_F(DaemonTest, RefusesWithStatusAndCode) {
         {{.target = "/"}, 501, "unsupported", ""},
         {{.target = "/v1/live"}, 501, "unsupported", ""},
         {{.target = "/v1/encoders"}, 501, "unsupported", ""},
-        {{.method = "POST", .target = "/v1/warm"}, 501, "unsupported", ""},
+        {{.method = "PUT", .target = "/v1/warm/x"}, 405, "method_not_allowed", ""},
+        {{.target = "/v1/warm/x"}, 404, "not_found", ""},
         {{.target = "/healthz?x=1"}, 400, "bad_query", "?"},
         {{.target = "/v1/lenses/known/ghosts?f=1"}, 400, "unknown_field", "?f"},
         {{.target = "/v1/lenses/known?focus_m=0"}, 400, "bad_value", "?focus_m"},
@@ -500,6 +501,7 @@ TEST_F(DaemonTest, CountsByRouteAndNotByWhatClientsInvent) {
     EXPECT_EQ(Metric("flared_requests_total{code=\"404\",route=\"other\"}"), 2.0);
     EXPECT_EQ(Metric("flared_request_seconds_count{route=\"/v1/flare\"}"), 3.0);
     EXPECT_EQ(Metric("flared_mesh_cache_hits_total"), 7.0);
+    EXPECT_EQ(Metric("flared_mesh_disk_hits_total"), 2.0);
     EXPECT_EQ(Metric("flared_mesh_cache_misses_total"), 3.0);
     EXPECT_EQ(Metric("flared_rays_traced_total"), 12345.0);
 }

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -241,6 +243,92 @@ TEST(Scheduler, ACutOffAnswersEveryJobBeforeItReturns) {
     EXPECT_EQ(std::count(lines.begin(), lines.end(), "told so"), 1);
     EXPECT_EQ(std::count(lines.begin(), lines.end(), "waiting draining"), 1);
     EXPECT_EQ(lines.back(), "endless ran");
+}
+
+// Steps until `steps` are done; each adds its name to the log.
+BackgroundWork Steps(Log& log, const std::string& name, int steps) {
+    const auto left = std::make_shared<std::atomic<int>>(steps);
+    return {{}, [&log, name, left] {
+                log.Add(name);
+                return --*left > 0;
+            }};
+}
+
+TEST(Scheduler, BackgroundWorkTakesTurnsStepByStep) {
+    Log log;
+    Scheduler scheduler({.workers = 3});
+    Gate gate, started;
+    Job blocking;
+    blocking.run = [&](const JobTicket&) {
+        started.Open();
+        gate.Wait();
+    };
+    blocking.refuse = [](Refusal) {};
+    EXPECT_FALSE(scheduler.Submit(std::move(blocking)));
+    started.Wait();
+    EXPECT_FALSE(scheduler.SubmitBackground(Steps(log, "a", 3)));
+    EXPECT_FALSE(scheduler.SubmitBackground(Steps(log, "b", 2)));
+    std::this_thread::sleep_for(50ms);
+    EXPECT_EQ(log.Await(0).size(), 0U) << "not while a job runs, though workers are free";
+    gate.Open();
+    const std::vector<std::string> expected{"a", "b", "a", "b", "a"};
+    EXPECT_EQ(log.Await(5), expected);
+    EXPECT_TRUE(scheduler.WaitUntilIdle(10s));
+}
+
+TEST(Scheduler, AJobWaitsForOneBackgroundStepAtTheLongest) {
+    Log log;
+    Scheduler scheduler({.workers = 1});
+    Gate gate, started;
+    const auto step = [&] {
+        started.Open();
+        gate.Wait();
+        log.Add("step");
+        return true;  // for ever
+    };
+    const BackgroundWork endless{{}, step};
+    EXPECT_FALSE(scheduler.SubmitBackground(endless));
+    started.Wait();
+    Job job;
+    job.run = [&](const JobTicket&) {
+        log.Add("job");
+        endless.cancel.Cancel();
+    };
+    job.refuse = [](Refusal) {};
+    EXPECT_FALSE(scheduler.Submit(std::move(job)));
+    gate.Open();
+    const std::vector<std::string> expected{"step", "job"};
+    EXPECT_EQ(log.Await(2), expected);
+    std::this_thread::sleep_for(50ms);
+    EXPECT_EQ(log.Await(2), expected) << "its token ends it";
+}
+
+TEST(Scheduler, BackgroundWorkIsBoundedAndEndsWithAdmission) {
+    Log log;
+    Gate gate, started;
+    Scheduler scheduler({.workers = 1, .background = 2});
+    const BackgroundWork running{{}, [&] {
+                                     started.Open();
+                                     gate.Wait();
+                                     return true;
+                                 }};
+    EXPECT_FALSE(scheduler.SubmitBackground(running));
+    started.Wait();
+    const BackgroundWork waiting = Steps(log, "waiting", 1);
+    EXPECT_FALSE(scheduler.SubmitBackground(waiting));
+    EXPECT_EQ(scheduler.SubmitBackground(Steps(log, "third", 1)), Refusal::kQueueFull);
+    waiting.cancel.Cancel();
+    const BackgroundWork fourth = Steps(log, "fourth", 1);
+    EXPECT_FALSE(scheduler.SubmitBackground(fourth)) << "what was called off makes room";
+    EXPECT_FALSE(running.cancel.cancelled());
+    scheduler.StopAdmitting();
+    EXPECT_TRUE(running.cancel.cancelled());
+    EXPECT_TRUE(fourth.cancel.cancelled());
+    EXPECT_EQ(scheduler.SubmitBackground(Steps(log, "late", 1)), Refusal::kDraining);
+    EXPECT_TRUE(scheduler.WaitUntilIdle(10s)) << "a drain does not wait for it";
+    gate.Open();
+    std::this_thread::sleep_for(50ms);
+    EXPECT_EQ(log.Await(0).size(), 0U);
 }
 
 TEST(Scheduler, EveryAdmittedJobIsAnsweredExactlyOnce) {
