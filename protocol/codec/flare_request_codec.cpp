@@ -116,8 +116,8 @@ bool ReadReflections(Reader& reader, const JsonView& at, int& reflections) {
 }
 
 bool ReadModel(Reader& reader, const JsonView& at, Model& model) {
-    return reader.Object(
-               at, {"reflections", "four_reflection_threshold", "ringing", "sensor_reflection"}) &&
+    return reader.Object(at, {"reflections", "four_reflection_threshold", "ringing",
+                              "sensor_reflection", "culling"}) &&
            IfGiven(
                at, "reflections",
                [&](const JsonView& v) { return ReadReflections(reader, v, model.reflections); }) &&
@@ -130,6 +130,14 @@ bool ReadModel(Reader& reader, const JsonView& at, Model& model) {
                    [&](const JsonView& v) {
                        return reader.OneOf<Ringing>(
                            v, {{"auto", Ringing::kAuto}, {"off", Ringing::kOff}}, model.ringing);
+                   }) &&
+           IfGiven(at, "culling",
+                   [&](const JsonView& v) {
+                       return reader.OneOf<Culling>(v,
+                                                    {{"auto", Culling::kAuto},
+                                                     {"none", Culling::kNone},
+                                                     {"report", Culling::kReport}},
+                                                    model.culling);
                    }) &&
            IfGiven(at, "sensor_reflection",
                    [&](const JsonView& v) { return reader.Boolean(v, model.sensor_reflection); });
