@@ -51,6 +51,7 @@ std::vector<double> CullByLight(const std::vector<GhostSample>& samples, const C
     } else {
         lo = hi;
     }
+    // Where no sample meets the frame, nothing is known, and all are drawn.
     for (std::size_t i = 0; i < samples.size(); ++i) {
         weights[i] = lo > 0.0 ? weight(samples[i], lo) : 1.0;
     }

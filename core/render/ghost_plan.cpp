@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kSmallestHalf = 1.0 / (1 << 24);
 
-// Where a ghost's colour is looked at, for the irradiances of red, green and blue.
+// Where a ghost's colour is looked at: for red at two places, since coatings change fastest there,
+// for green and for blue.
 std::vector<double> SampledWavelengths(const FlareRequest& request) {
-    if (request.color == ColorMode::kLinRec709) return {kLineD, 545.0, 465.0};
+    if (request.color == ColorMode::kLinRec709) return {kLineD, 630.0, 540.0, 460.0};
     const std::vector<double>& list = request.wavelengths_nm;
     if (list.size() <= 3) return list;
     return {list.front(), list[list.size() / 2], list.back()};
@@ -34,7 +35,7 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
     const LightBundle bundle = BundleOf(*request_.lens, light);
     SampleScene scene{
         *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
-    scene.weights = {e.x, e.y, e.z};
+    scene.weights = {0.5 * e.x, 0.5 * e.x, e.y, e.z};
     if (request_.color == ColorMode::kSpectral) {
         scene.weights.assign(tables_.wavelengths_nm().size(), e.x);
     }

@@ -339,8 +339,7 @@ class Sampler {
         const double flux = coverage * du_ * dv_ * FluxOf(i, j);
         const double on_frame =
             Overlap(lo.x, hi.x, scene_.width) * Overlap(lo.y, hi.y, scene_.height);
-        lo_ = {std::min(lo_.x, lo.x), std::min(lo_.y, lo.y)};
-        hi_ = {std::max(hi_.x, hi.x), std::max(hi_.y, hi.y)};
+        AddToBox(corners);
         sample_.flux_mm2 += flux;
         sample_.frame_flux_mm2 += flux * on_frame;
         const auto [area, folded] = living == 4 ? AreaOf(corners) : std::pair(1.0, false);
@@ -350,6 +349,22 @@ class Sampler {
             const double most = folded ? std::sqrt(std::sqrt(area)) : 1.0;
             sample_.peak = std::max(sample_.peak, flux / coverage / (area * pixel_mm2_) * most);
         }
+    }
+
+    // The corners that pass, and where an edge of the cell meets the mask.
+    void AddToBox(const std::array<const Vertex*, 4>& corners) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vertex& a = *corners[k];
+            const Vertex& b = *corners[(k + 1) % 4];
+            if (a.mask < 0.0) AddToBox(a.px);
+            if (!a.alive || !b.alive || (a.mask < 0.0) == (b.mask < 0.0)) continue;
+            AddToBox(a.px + (b.px - a.px) * (a.mask / (a.mask - b.mask)));
+        }
+    }
+
+    void AddToBox(Vec2d px) {
+        lo_ = {std::min(lo_.x, px.x), std::min(lo_.y, px.y)};
+        hi_ = {std::max(hi_.x, px.x), std::max(hi_.y, px.y)};
     }
 
     // Of the interval lo ... hi, at least a pixel long, the part within 0 ... size.

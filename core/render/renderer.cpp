@@ -173,6 +173,7 @@ class Job {
             report_.work.mesh_ms += context_.now_ms() - before;
         }
         std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light);
+        if (context_.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
         const int count = static_cast<int>(planned.size());
         for (int first = 0; first < count; first += kGhostsPerBatch) {
             const int batch = std::min(kGhostsPerBatch, count - first);
