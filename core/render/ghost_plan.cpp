@@ -2,22 +2,46 @@
 #include "core/render/ghost_plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/render/ghost_culling.h"
 #include "core/render/quality.h"
+#include "core/spectrum/spectrum.h"
 
 namespace flare {
 namespace {
 
 constexpr double kSmallestHalf = 1.0 / (1 << 24);
 
-// Where a ghost's colour is looked at: for red at two places, since coatings change fastest there,
-// for green and for blue.
+// Where a ghost's colour is looked at besides the d line. Towards the ends of the spectrum coatings
+// reflect many times what they do in its middle, and a ghost takes the square of that.
+constexpr double kFirst_nm = 400.0, kStep_nm = 30.0;
+constexpr int kColours = 11;
+
 std::vector<double> SampledWavelengths(const FlareRequest& request) {
-    if (request.color == ColorMode::kLinRec709) return {kLineD, 630.0, 540.0, 460.0};
+    if (request.color == ColorMode::kLinRec709) {
+        std::vector<double> wavelengths{kLineD};
+        for (int i = 0; i < kColours; ++i) wavelengths.push_back(kFirst_nm + kStep_nm * i);
+        return wavelengths;
+    }
     const std::vector<double>& list = request.wavelengths_nm;
     if (list.size() <= 3) return list;
     return {list.front(), list[list.size() / 2], list.back()};
+}
+
+// What a light of this colour weighs at each of them, red, green and blue added up.
+std::vector<double> ColourWeights(const Vec3d& irradiance) {
+    const Spectrum power = LightSpectrum(irradiance);
+    std::vector<double> weights{0.0};
+    for (int i = 0; i < kColours; ++i) {
+        const double wavelength_nm = kFirst_nm + kStep_nm * i;
+        const auto sample = static_cast<std::size_t>(
+            std::lround((wavelength_nm - kSpectrumFirst_nm) / kSpectrumStep_nm));
+        const Vec3d response = Rec709Response()[sample];
+        weights.push_back(std::max(0.0, response.x + response.y + response.z) * power[sample] *
+                          (kStep_nm / kSpectrumStep_nm));
+    }
+    return weights;
 }
 
 }  // namespace
@@ -35,7 +59,7 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
     const LightBundle bundle = BundleOf(*request_.lens, light);
     SampleScene scene{
         *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
-    scene.weights = {0.5 * e.x, 0.5 * e.x, e.y, e.z};
+    scene.weights = ColourWeights(e);
     if (request_.color == ColorMode::kSpectral) {
         scene.weights.assign(tables_.wavelengths_nm().size(), e.x);
     }
