@@ -37,12 +37,17 @@ struct ImageSpec {
     bool desqueeze = false;
 };
 
+// Which ghosts of two reflections are left out (ghost_culling.h): by the light lost, none, or by
+// the rules of older renderers, for comparison.
+enum class CullingRule { kAuto, kNone, kReport };
+
 // What physics is asked for.
 struct ModelSpec {
     int reflections = 2;  // 2, or 4: the four-reflection ghosts above the threshold as well
     // Smallest peak irradiance, per unit E0, of a four-reflection ghost that is rendered.
     double four_reflection_threshold = 1e-3;
     bool sensor_reflection = false;  // ghosts that the sensor reflects; the lens must have one
+    CullingRule culling = CullingRule::kAuto;
 };
 
 struct LightSpec {

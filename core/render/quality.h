@@ -23,8 +23,12 @@ struct QualitySettings {
     int most_drawn = 24;
     double light_tolerance = 2e-4;  // of transmittance interpolated within a cell
     WalkTolerance walk;
-    std::optional<TileTolerance> tiles = std::nullopt;  // of colour pictures; absent: polygons alone
+    std::optional<TileTolerance> tiles =
+        std::nullopt;  // of colour pictures; absent: polygons alone
     MeshArithmetic arithmetic = MeshArithmetic::kFloat;
+    // rel_l1 that the preset is to keep, and the share of it that culling may use up.
+    double tolerance = 0.02;
+    double culled_share = 0.25;
 };
 
 QualitySettings SettingsOf(QualityPreset preset);

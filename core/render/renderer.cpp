@@ -14,8 +14,10 @@
 #include "core/image/cell_fits.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/optics/paraxial.h"
+#include "core/render/error_estimate.h"
 #include "core/render/ghost_choice.h"
 #include "core/render/ghost_estimate.h"
+#include "core/render/ghost_plan.h"
 #include "core/render/light_meshes.h"
 #include "core/render/lights.h"
 #include "core/render/picture.h"
@@ -67,6 +69,8 @@ class Job {
                   context.threads),
           flux_wavelength_nm_(spectral_ ? request.wavelengths_nm.front() : kLineD),
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),
+          planner_(request, iris_, SceneFactor(), context.threads),
+          error_(lens_, settings_, spectral_),
           picture_(DataWindow(request.image),
                    spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {
         if (!settings_.tiles || spectral_) return;
@@ -93,17 +97,30 @@ class Job {
             if (reported_) AddLightFacts(light);
             if (std::optional<Error> error = DrawLight(light)) return *error;
         }
+        for (std::size_t i = 0; i < drawn_.size(); ++i) {
+            if (!lights.empty() && !drawn_[i]) report_.facts.ghosts[i].model = "culled";
+        }
+        report_.facts.estimated_error = error_.Value();
         return Rendering{Resolve(), std::move(report_)};
     }
 
   private:
+    double SceneLinearFactor() const {
+        const double n = WorkingBeam(lens_, stop_.semi_diameter_mm).working_f_number;
+        return 4.0 * n * n / (kPi * AxialTransmittance(lens_, kLineD));
+    }
+
+    // From sensor irradiance to the request's units.
+    double SceneFactor() const {
+        return request_.units == Units::kSceneLinear ? SceneLinearFactor() : 1.0;
+    }
+
     void SetFacts() {
         Facts& facts = report_.facts;
         facts.f_number = stop_.f_number;
         facts.working_f_number = WorkingBeam(lens_, stop_.semi_diameter_mm).working_f_number;
         facts.t_axis = AxialTransmittance(lens_, kLineD);
-        facts.scene_linear_factor =
-            4.0 * facts.working_f_number * facts.working_f_number / (kPi * facts.t_axis);
+        facts.scene_linear_factor = SceneLinearFactor();
         facts.focus_m = request_.state.focus_m;
         facts.zoom_mm = request_.state.zoom_mm;
         facts.squeeze = lens_.squeeze();
@@ -134,11 +151,12 @@ class Job {
         report_.facts.lights.push_back(facts);
     }
 
-    LightColour ColourOf(const PlacedLight& light) const {
+    // Of a ghost that is drawn with a weight.
+    LightColour ColourOf(const PlacedLight& light, double weight) const {
         LightColour colour;
         colour.spectral = spectral_;
-        colour.irradiance = light.irradiance.x;
-        if (!spectral_) colour.power = LightSpectrum(light.irradiance);
+        colour.irradiance = weight * light.irradiance.x;
+        if (!spectral_) colour.power = LightSpectrum(light.irradiance * weight);
         colour.dispersion_step_px = settings_.dispersion_step_px;
         colour.most_drawn = settings_.most_drawn;
         colour.light_tolerance = settings_.light_tolerance;
@@ -156,7 +174,9 @@ class Job {
                 return error;
             report_.work.mesh_ms += context_.now_ms() - before;
         }
-        const int count = static_cast<int>(ghosts_of_light.size());
+        std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light);
+        if (context_.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
+        const int count = static_cast<int>(planned.size());
         for (int first = 0; first < count; first += kGhostsPerBatch) {
             const int batch = std::min(kGhostsPerBatch, count - first);
             std::vector<TiledGhost> ghosts(static_cast<std::size_t>(batch));
@@ -164,10 +184,13 @@ class Job {
             const double t0 = context_.now_ms();
             context_.threads.For(batch, [&](int i) {
                 const auto n = static_cast<std::size_t>(i);
-                ghosts[n] =
-                    Prepare(light, ghosts_of_light[static_cast<std::size_t>(first + i)], work[n]);
+                ghosts[n] = Prepare(light, planned[static_cast<std::size_t>(first + i)], work[n]);
             });
             for (const Work& w : work) AddWork(w);
+            for (int i = first; i < first + batch; ++i) {
+                const PlannedGhost& ghost = planned[static_cast<std::size_t>(i)];
+                error_.AddDrawn(ghost.sample, ghost.weight, ghost.dispersion_step_px, ghost.miss);
+            }
             const double t1 = context_.now_ms();
             if (!context_.cancel.cancelled()) {
                 Draw(ghosts, MapOf(request_, light.pose));
@@ -196,6 +219,35 @@ class Job {
         }
     }
 
+    // Leaves out the ghosts that need not be drawn, and says so.
+    std::vector<PlannedGhost> PlanGhosts(const PlacedLight& light,
+                                         const std::vector<std::size_t>& indices) {
+        const double before = context_.now_ms();
+        std::vector<BounceSequence> sequences;
+        for (const std::size_t i : indices) {
+            sequences.push_back(report_.facts.ghosts[i].sequence);
+        }
+        GhostPlan plan = planner_.Plan(light, sequences, context_);
+        Facts& facts = report_.facts;
+        facts.culling.culled += plan.facts.culled;
+        facts.culling.faded += plan.facts.faded;
+        facts.culling.frame_flux_mm2 += plan.facts.frame_flux_mm2;
+        facts.culling.lost_flux_mm2 += plan.facts.lost_flux_mm2;
+        facts.culled_flux_mm2 += plan.facts.lost_flux_mm2;
+        error_.AddLight(plan.frame_light, plan.lost_light);
+        drawn_.resize(facts.ghosts.size());
+        for (PlannedGhost& ghost : plan.drawn) {
+            ghost.index = indices[ghost.index];
+            drawn_[ghost.index] = true;
+        }
+        for (const PlannedGhost& ghost : plan.left_out) {
+            if (reported_) facts.ghosts[indices[ghost.index]].flux_mm2 += ghost.sample.flux_mm2;
+        }
+        report_.work.sampled_rays += plan.rays;
+        report_.work.cull_ms += context_.now_ms() - before;
+        return std::move(plan.drawn);
+    }
+
     // The ghosts of four reflections that this light makes bright enough, by their places in the
     // report.
     std::optional<Error> AddFourReflections(const PlacedLight& light,
@@ -222,8 +274,9 @@ class Job {
     }
 
     // One ghost of one light, ready to draw. Writes only its own slots.
-    TiledGhost Prepare(const PlacedLight& light, std::size_t index, Work& work) {
+    TiledGhost Prepare(const PlacedLight& light, PlannedGhost& planned, Work& work) {
         if (context_.cancel.cancelled()) return {};
+        const std::size_t index = planned.index;
         const MeshSpec spec = MeshSpecFor(request_, report_.facts.ghosts[index].sequence, light);
         const Result<MeshProvider::Found> found = context_.meshes.Get(
             MeshKey(lens_, spec), [&] { return BuildMesh(lens_, spec); }, context_.cancel);
@@ -254,10 +307,11 @@ class Job {
         std::vector<GhostLight::Cell> cells =
             CellsInWindow(*surface, bounded, iris_, map, tile_picture_ ? WalkWindow{} : window);
         work.cells += cells.size();
-        LightColour colour = ColourOf(light);
-        if (!spectral_ && !cells.empty()) {
-            colour.dispersion_px =
-                DispersionPx(*surface, InFrame(*surface, bounded, map, cells), map);
+        LightColour colour = ColourOf(light, planned.weight);
+        if (!cells.empty()) {
+            const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, bounded, map, cells);
+            planned.miss = MeshMissOf(*surface, in_frame, map);
+            if (!spectral_) colour.dispersion_px = DispersionPx(*surface, in_frame, map);
         }
         MaskFields masks;
         if (tile_picture_) {
@@ -269,6 +323,10 @@ class Job {
         }
         TiledGhost ghost;
         ghost.light = PrepareGhost(surface, bundle, lens_, tables_, colour, std::move(cells));
+        if (ghost.light.bands.size() > 1) {
+            planned.dispersion_step_px =
+                colour.dispersion_px / static_cast<double>(ghost.light.bands.size() - 1);
+        }
         if (tile_picture_) {
             ghost.light.masks = std::move(masks);
             ghost.tiles = TilesOf(ghost.light, iris_, map, tile_picture_->padded(),
@@ -321,8 +379,7 @@ class Job {
         image.pixel_aspect = ShownPixelAspect(request_);
         image.rec709 = !spectral_;
         const Vec2d pitch = PixelPitch(request_);
-        double scale = 1.0 / (pitch.x * pitch.y);
-        if (request_.units == Units::kSceneLinear) scale *= report_.facts.scene_linear_factor;
+        const double scale = SceneFactor() / (pitch.x * pitch.y);
 
         if (tile_picture_) tile_picture_->Finish(context_.threads);
         const int planes = picture_.channel_count();
@@ -353,6 +410,9 @@ class Job {
     TransmissionTables tables_;
     double flux_wavelength_nm_;
     TransmissionTables flux_tables_;
+    GhostPlanner planner_;
+    ErrorEstimate error_;
+    std::vector<bool> drawn_;  // each ghost of the report, for some light
     Picture picture_;
     std::optional<TilePicture> tile_picture_;  // stands in for picture_ where there is one
     Report report_;

@@ -24,7 +24,7 @@ struct LightFacts {
 
 struct GhostFacts {
     std::vector<int> sequence;
-    std::string model;      // which physics ran for it: "geometric"
+    std::string model;      // which physics ran for it: "geometric", or "culled" for every light
     double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
                             // line (or the first wavelength of a spectral request)
 };
@@ -34,6 +34,26 @@ struct FourReflectionFacts {
     double threshold = 0.0;  // peak irradiance per unit E0
     std::uint64_t sequences = 0, rendered = 0;
     double rendered_flux_mm2 = 0.0, lost_flux_mm2 = 0.0;
+};
+
+// Ghosts of two reflections that were left out or drawn fainter, each once a light; fluxes per unit
+// E0 at the d line (or the first wavelength), as far as they fall on the frame, summed over the
+// lights.
+struct CullingFacts {
+    std::uint64_t culled = 0, faded = 0;
+    double frame_flux_mm2 = 0.0;  // of all ghosts
+    double lost_flux_mm2 = 0.0;
+};
+
+// Estimated rel_l1 (compare.h) of the picture against the converged one, and its parts
+// (error_estimate.h), which add up to it.
+struct EstimatedError {
+    double rel_l1 = 0.0;
+    double culling = 0.0;
+    double dispersion = 0.0;  // colours drawn at separate wavelengths
+    double colour = 0.0;      // transmittances at few bands
+    double mesh = 0.0;        // rays interpolated
+    double pieces = 0.0;      // cells cut up
 };
 
 struct Facts {
@@ -46,7 +66,9 @@ struct Facts {
     double scene_linear_factor = 1.0;  // multiply sensor irradiance by this for scene_linear
     std::vector<std::string>
         clamped;                   // JSON pointers of values that were clamped, with "from -> to"
-    double culled_flux_mm2 = 0.0;  // light left out on purpose
+    double culled_flux_mm2 = 0.0;  // light left out on purpose: by culling, and of four reflections
+    CullingFacts culling;
+    EstimatedError estimated_error;
     std::optional<FourReflectionFacts> four_reflections;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
@@ -56,12 +78,13 @@ struct Facts {
 struct Work {
     std::uint64_t rays_traced = 0;
     std::uint64_t ray_surfaces = 0;
-    std::uint64_t cells = 0;      // mesh cells looked at
-    std::uint64_t polygons = 0;   // pieces of cells spread over pixels
-    std::uint64_t fragments = 0;  // pixels touched, counted once a piece
+    std::uint64_t sampled_rays = 0;  // traced for the choice of ghosts, and not kept
+    std::uint64_t cells = 0;         // mesh cells looked at
+    std::uint64_t polygons = 0;      // pieces of cells spread over pixels
+    std::uint64_t fragments = 0;     // pixels touched, counted once a piece
     std::uint64_t mesh_hits = 0, mesh_misses = 0;
     std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
-    double mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
+    double cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
 };
 
 struct Report {

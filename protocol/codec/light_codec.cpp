@@ -95,8 +95,8 @@ bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset) {
 }
 
 bool ReadModel(Reader& reader, const JsonView& at, Model& model) {
-    return reader.Object(
-               at, {"reflections", "four_reflection_threshold", "ringing", "sensor_reflection"}) &&
+    return reader.Object(at, {"reflections", "four_reflection_threshold", "ringing",
+                              "sensor_reflection", "culling"}) &&
            IfGiven(
                at, "reflections",
                [&](const JsonView& v) { return ReadReflections(reader, v, model.reflections); }) &&
@@ -109,6 +109,14 @@ bool ReadModel(Reader& reader, const JsonView& at, Model& model) {
                    [&](const JsonView& v) {
                        return reader.OneOf<Ringing>(
                            v, {{"auto", Ringing::kAuto}, {"off", Ringing::kOff}}, model.ringing);
+                   }) &&
+           IfGiven(at, "culling",
+                   [&](const JsonView& v) {
+                       return reader.OneOf<Culling>(v,
+                                                    {{"auto", Culling::kAuto},
+                                                     {"none", Culling::kNone},
+                                                     {"report", Culling::kReport}},
+                                                    model.culling);
                    }) &&
            IfGiven(at, "sensor_reflection",
                    [&](const JsonView& v) { return reader.Boolean(v, model.sensor_reflection); });

@@ -21,6 +21,7 @@ enum class Preset { kDraft, kPreview, kFinal, kReference };
 enum class Compression { kZip, kNone };
 enum class PixelType { kHalf, kFloat };
 enum class Ringing { kAuto, kOff };
+enum class Culling { kAuto, kNone, kReport };
 
 // What physics is asked for.
 struct Model {
@@ -28,6 +29,7 @@ struct Model {
     double four_reflection_threshold = 1e-3;  // peak irradiance for E0 = 1
     bool sensor_reflection = false;
     Ringing ringing = Ringing::kAuto;
+    Culling culling = Culling::kAuto;
 };
 
 struct Iris {

@@ -64,6 +64,7 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
     numbers.emplace_back("flareAxialTransmittance", facts.t_axis);
     numbers.emplace_back("flareSceneLinearFactor", facts.scene_linear_factor);
     numbers.emplace_back("flareCulledFlux", facts.culled_flux_mm2);
+    numbers.emplace_back("flareEstimatedError", facts.estimated_error.rel_l1);
 }
 
 }  // namespace flare

@@ -46,11 +46,35 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Member("f_number", report.facts.f_number);
     json.Member("saturated_pixels", report.facts.saturated_pixels);
     json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
+    const EstimatedError& error = report.facts.estimated_error;
+    json.Key("estimated_error").BeginInlineObject().Member("rel_l1", error.rel_l1);
+    json.Member("culling", error.culling).Member("dispersion", error.dispersion);
+    json.Member("colour", error.colour).Member("mesh", error.mesh);
+    json.Member("pieces", error.pieces).End();
+}
+
+std::string_view CullingName(CullingRule rule) {
+    switch (rule) {
+        case CullingRule::kAuto:
+            return "auto";
+        case CullingRule::kNone:
+            return "none";
+        case CullingRule::kReport:
+            return "report";
+    }
+    return "auto";
+}
+
+void WriteCulling(JsonWriter& json, const CullingFacts& culling) {
+    json.Key("culling").BeginInlineObject().Member("culled", culling.culled);
+    json.Member("faded", culling.faded).Member("frame_flux_mm2", culling.frame_flux_mm2);
+    json.Member("lost_flux_mm2", culling.lost_flux_mm2).End();
 }
 
 void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Key("work").BeginObject();
     json.Member("rays_traced", work.rays_traced).Member("ray_surfaces", work.ray_surfaces);
+    json.Member("sampled_rays", work.sampled_rays);
     json.Member("cells", work.cells).Member("polygons", work.polygons);
     json.Member("fragments", work.fragments);
     json.Member("pixels", static_cast<std::uint64_t>(reply.window.pixels()));
@@ -58,6 +82,7 @@ void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Member("mesh_disk_hits", work.mesh_disk_hits);
     json.Member("threads", reply.threads);
     json.Key("time_ms").BeginInlineObject();
+    json.Member("cull", work.cull_ms);
     json.Member("mesh", work.mesh_ms).Member("raster", work.raster_ms);
     json.Member("resolve", work.resolve_ms).Member("encode", reply.encode_ms);
     json.End().End();
@@ -86,7 +111,8 @@ void WriteLights(JsonWriter& json, const std::vector<LightFacts>& lights) {
 // What physics ran, as against what was asked for.
 void WriteModel(JsonWriter& json, const ModelSpec& model) {
     json.Key("model").BeginInlineObject().Member("reflections", model.reflections);
-    json.Member("ringing", "off").Member("sensor_reflection", model.sensor_reflection).End();
+    json.Member("ringing", "off").Member("sensor_reflection", model.sensor_reflection);
+    json.Member("culling", CullingName(model.culling)).End();
 }
 
 // Ghosts of four reflections can be a hundred thousand: all are counted, the first are listed.
@@ -126,6 +152,7 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
     WriteClamped(json, facts.clamped);
     json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));
     WriteLights(json, facts.lights);
+    WriteCulling(json, facts.culling);
     if (facts.four_reflections) {
         json.Key("four_reflections");
         WriteFourReflections(json, *facts.four_reflections);

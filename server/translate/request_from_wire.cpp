@@ -49,9 +49,22 @@ ImageSpec ImageFromWire(const wire::Image& image) {
     return spec;
 }
 
+CullingRule CullingFromWire(wire::Culling culling) {
+    switch (culling) {
+        case wire::Culling::kAuto:
+            return CullingRule::kAuto;
+        case wire::Culling::kNone:
+            return CullingRule::kNone;
+        case wire::Culling::kReport:
+            return CullingRule::kReport;
+    }
+    return CullingRule::kAuto;
+}
+
 // Ringing is not built: "auto" and "off" both mean none.
 ModelSpec ModelFromWire(const wire::Model& model) {
-    return {model.reflections, model.four_reflection_threshold, model.sensor_reflection};
+    return {model.reflections, model.four_reflection_threshold, model.sensor_reflection,
+            CullingFromWire(model.culling)};
 }
 
 LightSpec LightFromWire(const wire::Light& light) {

@@ -5,7 +5,7 @@ namespace flare {
 namespace {
 
 // Grows with every change of what the values mean or of their order here.
-constexpr int kHashVersion = 2;
+constexpr int kHashVersion = 3;
 
 void Add(Fingerprinter& hash, const std::optional<double>& value) {
     hash.Add(value.has_value());
@@ -47,6 +47,7 @@ void Add(Fingerprinter& hash, const wire::Coatings& coatings) {
 void Add(Fingerprinter& hash, const wire::Model& model) {
     hash.Add(model.reflections).Add(model.four_reflection_threshold);
     hash.Add(model.sensor_reflection).Add(static_cast<int>(model.ringing));
+    hash.Add(static_cast<int>(model.culling));
 }
 
 void Add(Fingerprinter& hash, const wire::Light& light) {

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the program's work costs on this machine, case by case, with the seed lens as its file has
-// it (coated). Rates are per second of wall time; `rel_l1` cases stand in docs/performance.md
-// beside their command. Compare cases within one run only.
+// it (coated). Rates are per second of wall time. Compare cases within one run only. The first of
+// the render cases with one lens and f-number has to render the converged picture, which takes from
+// a minute to many: choose cases with --benchmark_filter.
 #include <OpenEXR/ImfThreading.h>
 #include <benchmark/benchmark.h>
 #include <libdeflate.h>
 
 #include <chrono>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -18,6 +20,7 @@
 #include "core/image/preview.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/mesh/pass_region.h"
+#include "core/render/compare.h"
 #include "core/render/quality.h"
 #include "core/render/renderer.h"
 #include "core/spectrum/wavelength_plan.h"
@@ -152,9 +155,9 @@ void MeshCold(benchmark::State& state, const std::string& name) {
     state.counters["mesh_bytes"] = bytes;
 }
 
-FlareRequest SeedRequest(double f_number) {
+FlareRequest LightRequest(std::shared_ptr<const Lens> lens, double f_number) {
     FlareRequest request;
-    request.lens = SeedLens();
+    request.lens = std::move(lens);
     request.f_number = f_number;
     request.image.width = 1920;
     request.image.height = 1080;
@@ -164,16 +167,47 @@ FlareRequest SeedRequest(double f_number) {
     return request;
 }
 
-// A preview with its meshes in the cache, to planes of floats.
-void RenderWarm(benchmark::State& state, double f_number) {
+FlareRequest SeedRequest(double f_number) {
+    return LightRequest(SeedLens(), f_number);
+}
+
+// A zoom of 33 surfaces, 528 ghosts, at its shortest.
+FlareRequest ZoomRequest() {
+    static const std::shared_ptr<const Lens> lens =
+        LoadLensFile(std::string(FLARE_SOURCE_DIR) + "/lenses/canon-zoom-70-200mm-f2_8.toml")
+            .value();
+    return LightRequest(lens, lens->f_number());
+}
+
+// The converged picture of a request, rendered once a run however many cases ask for it.
+const FlareImage& Converged(const std::string& name, FlareRequest request) {
+    static std::map<std::string, FlareImage> images;
+    const auto known = images.find(name);
+    if (known != images.end()) return known->second;
+    ThreadPool threads(Threads());
+    TracingMeshProvider meshes;
+    request.quality = QualityPreset::kReference;
+    return images
+        .emplace(name, Render(request, {threads, meshes, CancelToken(), NowMs}).value().image)
+        .first->second;
+}
+
+// With its meshes in the cache, to planes of floats. A time without its error is worth nothing:
+// `rel_l1` and `energy` are measured against the converged picture, outside the timing;
+// `estimated` is what the report says.
+void RenderWarm(benchmark::State& state, const std::string& name, FlareRequest request,
+                QualityPreset quality) {
+    const FlareImage& converged = Converged(name, request);
     ThreadPool threads(Threads());
     MeshCache cache(std::size_t{1} << 30);
     const RenderContext context{threads, cache, CancelToken(), NowMs};
-    const FlareRequest request = SeedRequest(f_number);
-    if (!Render(request, context)) {
+    request.quality = quality;
+    const Result<Rendering> first = Render(request, context);
+    if (!first) {
         state.SkipWithError("the request was refused");
         return;
     }
+    const Result<Comparison> comparison = Compare(first->image, converged);
     double polygons = 0.0;
     double fragments = 0.0;
     double rays = 0.0;
@@ -186,6 +220,10 @@ void RenderWarm(benchmark::State& state, double f_number) {
     state.counters["rays"] = Rate(rays);
     state.counters["polygons"] = Rate(polygons);
     state.counters["fragments"] = Rate(fragments);
+    state.counters["rel_l1"] = comparison->all.rel_l1;
+    state.counters["energy"] = comparison->all.energy;
+    state.counters["estimated"] = first->report.facts.estimated_error.rel_l1;
+    state.counters["culled"] = static_cast<double>(first->report.facts.culling.culled);
 }
 
 // A real picture, a draft of the seed lens, for the encoders.
@@ -327,12 +365,21 @@ int main(int argc, char** argv) {
     RegisterBenchmark("mesh/zoom_cold", flare::MeshCold, "canon-zoom-70-200mm-f2_8")
         ->Unit(milliseconds)
         ->UseRealTime();
-    RegisterBenchmark("render/seed_f4_1080p_warm", flare::RenderWarm, 4.0)
-        ->Unit(milliseconds)
-        ->UseRealTime();
-    RegisterBenchmark("render/seed_f2_1080p_warm", flare::RenderWarm, 2.0)
-        ->Unit(milliseconds)
-        ->UseRealTime();
+    const auto add_render = [&](const std::string& lens, const flare::FlareRequest& request,
+                                flare::QualityPreset quality) {
+        const std::string preset =
+            quality == flare::QualityPreset::kPreview ? "_preview" : "_final";
+        RegisterBenchmark(("render/" + lens + "_1080p" + preset + "_warm").c_str(),
+                          flare::RenderWarm, lens, request, quality)
+            ->Unit(milliseconds)
+            ->UseRealTime();
+    };
+    for (const int f : {2, 4, 8}) {
+        for (const auto quality : {flare::QualityPreset::kPreview, flare::QualityPreset::kFinal}) {
+            add_render("seed_f" + std::to_string(f), flare::SeedRequest(f), quality);
+        }
+    }
+    add_render("zoom", flare::ZoomRequest(), flare::QualityPreset::kPreview);
     for (const int n : {1, 2}) {
         const std::string threads = "/threads_" + std::to_string(n);
         const auto add = [&](const std::string& name, auto function, auto... arguments) {

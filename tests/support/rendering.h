@@ -72,7 +72,7 @@ inline LightSpec LightAt(double field_deg, double azimuth_deg = 0.0) {
     return light;
 }
 
-// One wavelength, absolute irradiance, round iris, 36 mm wide frame.
+// One wavelength, absolute irradiance, round iris, 36 mm wide frame, every ghost drawn.
 inline FlareRequest SpectralRequest(std::shared_ptr<const Lens> lens, double f_number, int width,
                                     int height) {
     FlareRequest request;
@@ -82,6 +82,7 @@ inline FlareRequest SpectralRequest(std::shared_ptr<const Lens> lens, double f_n
     request.image.height = height;
     request.units = Units::kSensorIrradiance;
     request.color = ColorMode::kSpectral;
+    request.model.culling = CullingRule::kNone;
     request.wavelengths_nm = {kLineD};
     return request;
 }

@@ -35,6 +35,7 @@ TEST(FlareRequestCodec, FillsInTheDefaultsOfTheContract) {
     EXPECT_EQ(request.model.four_reflection_threshold, 1e-3);
     EXPECT_FALSE(request.model.sensor_reflection);
     EXPECT_EQ(request.model.ringing, Ringing::kAuto);
+    EXPECT_EQ(request.model.culling, Culling::kAuto);
     EXPECT_FALSE(request.image.desqueeze);
     EXPECT_EQ(request.iris.blades, 0);
     EXPECT_EQ(request.units, Units::kSceneLinear);
@@ -62,7 +63,7 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
         "layers": ["ghosts"], "units": "sensor_irradiance", "color_space": "lin_rec709",
         "quality": {"preset": "reference"},
         "model": {"reflections": 4, "four_reflection_threshold": 0.02, "ringing": "off",
-                  "sensor_reflection": true},
+                  "sensor_reflection": true, "culling": "report"},
         "output": {"compression": "none", "pixel": "float"} })");
     EXPECT_EQ(request.lens.name, "tele");
     EXPECT_EQ(request.lens.f_number, 4.5);
@@ -93,6 +94,7 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     EXPECT_EQ(request.model.four_reflection_threshold, 0.02);
     EXPECT_TRUE(request.model.sensor_reflection);
     EXPECT_EQ(request.model.ringing, Ringing::kOff);
+    EXPECT_EQ(request.model.culling, Culling::kReport);
     EXPECT_EQ(request.output.compression, Compression::kNone);
     EXPECT_EQ(request.output.pixel, PixelType::kFloat);
 }

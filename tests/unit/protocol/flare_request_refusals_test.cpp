@@ -202,6 +202,8 @@ const BadRequest kFields[] = {
     {"layer_unknown", With(R"("layers":["ghosts","sparkle"])"), "bad_value", "/layers/1"},
     {"layer_number", With(R"("layers":[1])"), "bad_type", "/layers/0"},
     {"reflections_odd", With(R"("model":{"reflections":3})"), "bad_value", "/model/reflections"},
+    {"culling_unknown", With(R"("model":{"culling":"most"})"), "bad_value", "/model/culling"},
+    {"culling_boolean", With(R"("model":{"culling":true})"), "bad_type", "/model/culling"},
     {"sensor_reflection_text", With(R"("model":{"sensor_reflection":"no"})"), "bad_type",
      "/model/sensor_reflection"},
     {"compression_unknown", With(R"("output":{"compression":"gzip"})"), "bad_value",

@@ -44,6 +44,7 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         {"model", "reflections", "4"},
         {"model", "four_reflection_threshold", "0.5"},
         {"model", "ringing", R"("auto")"},
+        {"model", "culling", R"("none")"},
         {"model", "sensor_reflection", "true"},
         {"output", "compression", R"("zip")"},
         {"output", "pixel", R"("half")"},

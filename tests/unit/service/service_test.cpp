@@ -115,6 +115,14 @@ TEST_F(Service, ReportsWhatItDid) {
     EXPECT_EQ(root.Find("ghosts")->child_count(), 6u);
     EXPECT_EQ(root.Find("lights")->child_count(), 1u);
     EXPECT_EQ(root.Find("model")->Find("ringing")->string(), "off");
+    EXPECT_EQ(root.Find("model")->Find("culling")->string(), "auto");
+    const wire::JsonView error = *root.Find("estimated_error");
+    double parts = 0.0;
+    for (const char* part : {"culling", "dispersion", "colour", "mesh", "pieces"}) {
+        parts += error.Find(part)->number();
+    }
+    EXPECT_GT(parts, 0.0);
+    EXPECT_NEAR(error.Find("rel_l1")->number(), parts, 1e-5 * parts);
     EXPECT_GT(root.Find("work")->Find("rays_traced")->number(), 0.0);
     EXPECT_EQ(root.Find("work")->Find("rays_traced")->number(),
               static_cast<double>(reply->work.rays_traced));
@@ -189,7 +197,9 @@ TEST_F(Service, CountsWhatFourReflectionsHoldAndLose) {
     // The choice goes by coarse meshes, the list by those that were drawn.
     const double chosen = four.Find("rendered_flux_mm2")->number();
     EXPECT_NEAR(of_four, chosen, 0.1 * chosen);
-    EXPECT_EQ(root.Find("culled_flux_mm2")->number(), four.Find("lost_flux_mm2")->number());
+    EXPECT_DOUBLE_EQ(root.Find("culled_flux_mm2")->number(),
+                     four.Find("lost_flux_mm2")->number() +
+                         root.Find("culling")->Find("lost_flux_mm2")->number());
 }
 
 // Between a plane and a cylinder on either side, an afocal attachment of 0.5 in x: f in x is half

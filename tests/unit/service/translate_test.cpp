@@ -233,6 +233,8 @@ TEST(RequestHash, ChangesWithEveryField) {
                                 R"("model":{"reflections":4})",
                                 R"("model":{"four_reflection_threshold":0.01})",
                                 R"("model":{"sensor_reflection":true})",
+                                R"("model":{"culling":"none"})",
+                                R"("model":{"culling":"report"})",
                                 R"("model":{"ringing":"off"})"}) {
         hashes.push_back(HashOf(SeedBody(members)));
     }

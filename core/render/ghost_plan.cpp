@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/ghost_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/render/ghost_culling.h"
+#include "core/render/quality.h"
+#include "core/spectrum/spectrum.h"
+
+namespace flare {
+namespace {
+
+constexpr double kSmallestHalf = 1.0 / (1 << 24);
+
+// Where a ghost's colour is looked at besides the d line. Towards the ends of the spectrum coatings
+// reflect many times what they do in its middle, and a ghost takes the square of that.
+constexpr double kFirst_nm = 400.0, kStep_nm = 30.0;
+constexpr int kColours = 11;
+
+std::vector<double> SampledWavelengths(const FlareRequest& request) {
+    if (request.color == ColorMode::kLinRec709) {
+        std::vector<double> wavelengths{kLineD};
+        for (int i = 0; i < kColours; ++i) wavelengths.push_back(kFirst_nm + kStep_nm * i);
+        return wavelengths;
+    }
+    const std::vector<double>& list = request.wavelengths_nm;
+    if (list.size() <= 3) return list;
+    return {list.front(), list[list.size() / 2], list.back()};
+}
+
+// What a light of this colour weighs at each of them, red, green and blue added up.
+std::vector<double> ColourWeights(const Vec3d& irradiance) {
+    const Spectrum power = LightSpectrum(irradiance);
+    std::vector<double> weights{0.0};
+    for (int i = 0; i < kColours; ++i) {
+        const double wavelength_nm = kFirst_nm + kStep_nm * i;
+        const auto sample = static_cast<std::size_t>(
+            std::lround((wavelength_nm - kSpectrumFirst_nm) / kSpectrumStep_nm));
+        const Vec3d response = Rec709Response()[sample];
+        weights.push_back(std::max(0.0, response.x + response.y + response.z) * power[sample] *
+                          (kStep_nm / kSpectrumStep_nm));
+    }
+    return weights;
+}
+
+}  // namespace
+
+GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
+                           ThreadPool& threads)
+    : request_(request),
+      iris_(iris),
+      scene_factor_(scene_factor),
+      tables_(*request.lens, SampledWavelengths(request), threads) {}
+
+GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+                             const RenderContext& context) const {
+    const Vec3d& e = light.irradiance;
+    const LightBundle bundle = BundleOf(*request_.lens, light);
+    SampleScene scene{
+        *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
+    scene.weights = ColourWeights(e);
+    if (request_.color == ColorMode::kSpectral) {
+        scene.weights.assign(tables_.wavelengths_nm().size(), e.x);
+    }
+    scene.width = request_.image.width;
+    scene.height = request_.image.height;
+    std::vector<GhostSample> samples(sequences.size());
+    context.threads.For(static_cast<int>(sequences.size()), [&](int i) {
+        if (context.cancel.cancelled()) return;
+        const auto n = static_cast<std::size_t>(i);
+        samples[n] = SampleGhost(scene, sequences[n]);
+    });
+
+    const std::vector<double> weights = Weights(sequences, samples);
+    GhostPlan plan;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+        const GhostSample& sample = samples[n];
+        const double weight = weights[n];
+        plan.rays += sample.rays;
+        plan.frame_light += sample.frame_light;
+        plan.lost_light += (1.0 - weight) * sample.frame_light;
+        plan.facts.frame_flux_mm2 += sample.frame_flux_mm2;
+        plan.facts.lost_flux_mm2 += (1.0 - weight) * sample.frame_flux_mm2;
+        plan.facts.culled += weight == 0.0 ? 1 : 0;
+        plan.facts.faded += weight > 0.0 && weight < 1.0 ? 1 : 0;
+        (weight > 0.0 ? plan.drawn : plan.left_out).push_back({n, weight, sample, 0.0, {}});
+    }
+    return plan;
+}
+
+std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& sequences,
+                                          const std::vector<GhostSample>& samples) const {
+    const ImageSpec& image = request_.image;
+    const double frame_px2 = static_cast<double>(image.width) * image.height;
+    std::vector<GhostSample> of_two;
+    for (std::size_t n = 0; n < samples.size() && sequences[n].size() == 2; ++n) {
+        of_two.push_back(samples[n]);
+    }
+    std::vector<double> weights;
+    if (request_.model.culling == CullingRule::kReport) {
+        std::vector<int> crossings;
+        for (std::size_t n = 0; n < of_two.size(); ++n) {
+            crossings.push_back(WriteOut(*request_.lens, sequences[n], kLineD).stop_crossings);
+        }
+        weights = CullByOldRules(of_two, crossings, frame_px2);
+    } else if (request_.model.culling == CullingRule::kAuto) {
+        const QualitySettings settings = SettingsOf(request_.quality);
+        const Vec2d pitch = PixelPitch(request_);
+        double light = 0.0;
+        for (const GhostSample& sample : of_two) light += sample.frame_light;
+        CullLimits limits;
+        limits.lost_share = settings.culled_share * settings.tolerance;
+        // Against the frame's mean; half floats show nothing fainter than their smallest number.
+        limits.peak = std::max(settings.tolerance * light / (frame_px2 * pitch.x * pitch.y),
+                               kSmallestHalf / scene_factor_);
+        weights = CullByLight(of_two, limits);
+        for (std::size_t n = 0; n < weights.size(); ++n) {
+            const bool beyond = of_two[n].frame_light <= 0.0;
+            if (beyond && image.overscan != std::array<int, 4>{}) weights[n] = 1.0;
+        }
+    }
+    weights.resize(samples.size(), 1.0);
+    return weights;
+}
+
+}  // namespace flare

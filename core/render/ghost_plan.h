@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which ghosts of a light are drawn, and how strongly: every ghost is sampled (ghost_sample.h),
+// then culled by the request's rule (ghost_culling.h). The whole frame decides, so that a crop is
+// drawn as the frame is; with overscan, ghosts that lie wholly beyond the frame are drawn as well.
+// Depends on request and light alone, not on threads, caches or other lights.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/render/error_estimate.h"
+#include "core/render/ghost_sample.h"
+#include "core/render/lights.h"
+#include "core/render/renderer.h"
+
+namespace flare {
+
+struct PlannedGhost {
+    std::size_t index = 0;  // in the sequences that were given
+    double weight = 1.0;    // 0: left out
+    GhostSample sample;
+    // Filled in by who prepares the ghost.
+    double dispersion_step_px = 0.0;
+    MeshMiss miss;
+};
+
+struct GhostPlan {
+    std::vector<PlannedGhost> drawn, left_out;
+    CullingFacts facts;
+    double frame_light = 0.0, lost_light = 0.0;  // of all wavelengths, weighted
+    std::uint64_t rays = 0;
+};
+
+class GhostPlanner {
+  public:
+    // `scene_factor` takes sensor irradiance to the request's units. The arguments must outlive the
+    // planner.
+    GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
+                 ThreadPool& threads);
+
+    // Only ghosts of two reflections are culled: those of four have been chosen already. Unfinished
+    // when cancelled.
+    GhostPlan Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+                   const RenderContext& context) const;
+
+  private:
+    std::vector<double> Weights(const std::vector<BounceSequence>& sequences,
+                                const std::vector<GhostSample>& samples) const;
+
+    const FlareRequest& request_;
+    const Iris& iris_;
+    double scene_factor_;
+    TransmissionTables tables_;
+};
+
+}  // namespace flare
