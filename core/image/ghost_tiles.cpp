@@ -46,6 +46,7 @@ struct Level {
     // Records of tiles.
     std::vector<std::uint8_t> bad;                        // to be refined
     std::array<std::vector<std::uint8_t>, kSheets> live;  // cells that are drawn touch it
+    std::array<std::vector<std::uint8_t>, kSheets> lit;   // one of the cells' own points passes
     // Light of the cells' own points, and what the corners make of it there, of each sheet.
     std::array<std::vector<float>, kSheets> truth, flat;
 
@@ -87,6 +88,7 @@ struct Level {
         bad.assign(tiles.size(), 0);
         for (std::size_t s = 0; s < kSheets; ++s) {
             live[s].assign(tiles.size(), 0);
+            lit[s].assign(tiles.size(), 0);
             truth[s].assign(tiles.size(), 0.0F);
             flat[s].assign(tiles.size(), 0.0F);
             Sheet& sheet = sheets[s];
@@ -413,7 +415,9 @@ class Tiler {
         const auto tile = static_cast<std::size_t>(wanted);
         if (level_.bad[tile] != 0) return;
         const float det = x.per_a * y.per_b - x.per_b * y.per_a;
-        const Level::Sheet& sheet = level_.sheets[det < 0.0F ? 1 : 0];
+        const std::size_t s = det < 0.0F ? 1 : 0;
+        const Level::Sheet& sheet = level_.sheets[s];
+        if (Passes(fit, a, b)) level_.lit[s][tile] = 1;
         const std::array<std::size_t, 4> corners = level_.Corners(tx, ty);
         for (const std::size_t n : corners) {
             if (sheet.found[kTraced / 2][n] != 1) return;
@@ -460,11 +464,24 @@ class Tiler {
               static_cast<float>(tolerance_.light) * std::max(std::abs(truth), std::abs(flat)))) {
             level_.bad[tile] = 1;
         }
-        const std::size_t s = det < 0.0F ? 1 : 0;
         // By the picture's area that each point stands for.
         const float area = std::abs(det) * share;
         level_.truth[s][tile] += area * truth;
         level_.flat[s][tile] += area * flat;
+    }
+
+    // Does the light at a point pass all masks?
+    bool Passes(const CellFit& fit, float a, float b) const {
+        const std::size_t crossings = masks_.crossings.size();
+        for (std::size_t r = 0; r < masks_.rims.size(); ++r) {
+            if (JetOf(fit.fields[2 * crossings + r], a, b).value > 0.0F) return false;
+        }
+        for (std::size_t c = 0; c < crossings; ++c) {
+            const Vec2d p(static_cast<double>(JetOf(fit.fields[2 * c], a, b).value),
+                          static_cast<double>(JetOf(fit.fields[2 * c + 1], a, b).value));
+            if (iris_.Distance(p) > 0.0) return false;
+        }
+        return true;
     }
 
     // Is a tile clear of the iris' edge at the crossing that field f belongs to?
@@ -489,6 +506,8 @@ class Tiler {
         const auto tile = static_cast<std::size_t>(level_.tile_at[level_.Tile(x, y)]);
         const std::array<std::size_t, 4> corners = level_.Corners(x, y);
         bool bad = level_.bad[tile] != 0;
+        const std::size_t smooth_before = out_.smooth.size();
+        const std::size_t edges_before = out_.edges.size();
         std::array<bool, kSheets> lit{};
         for (std::size_t s = 0; s < kSheets && !bad; ++s) {
             int none = 0;
@@ -506,23 +525,24 @@ class Tiler {
             // Cells that lie between the corners.
             if (none == kAll && level_.live[s][tile] != 0) bad = true;
         }
-        if (bad) {
-            level_.bad[tile] = 1;
-            if (l + 1 == kTileLevels) {
-                out_.left[static_cast<std::size_t>(y - out_.left_y) *
-                              static_cast<std::size_t>(out_.left_width) +
-                          static_cast<std::size_t>(x - out_.left_x)] = 1;
-                out_.any_left = true;
-            }
-            return;
-        }
-        for (std::size_t s = 0; s < kSheets; ++s) {
+        for (std::size_t s = 0; s < kSheets && !bad; ++s) {
             if (!lit[s]) continue;
             // Bilinear light is too much where light is convex: the points within set it right.
             const float flat = level_.flat[s][tile];
             const float scale = flat > 0.0F ? level_.truth[s][tile] / flat : 1.0F;
-            Emit(l, x, y, level_.sheets[s], corners, scale);
+            // The corners may all be dark while light passes between them.
+            const bool passes = Emit(l, x, y, level_.sheets[s], corners, scale);
+            bad = !passes && level_.lit[s][tile] != 0;
         }
+        if (!bad) return;
+        out_.smooth.resize(smooth_before);
+        out_.edges.resize(edges_before);
+        level_.bad[tile] = 1;
+        if (l + 1 < kTileLevels) return;
+        out_.left[static_cast<std::size_t>(y - out_.left_y) *
+                      static_cast<std::size_t>(out_.left_width) +
+                  static_cast<std::size_t>(x - out_.left_x)] = 1;
+        out_.any_left = true;
     }
 
     // Corner values of a condition at one wavelength, as pixels across the edge.
@@ -602,7 +622,8 @@ class Tiler {
         return true;
     }
 
-    void Emit(int l, int x, int y, const Level::Sheet& sheet,
+    // False if a mask shuts the tile out.
+    bool Emit(int l, int x, int y, const Level::Sheet& sheet,
               const std::array<std::size_t, 4>& corners, float scale) {
         straight_.clear();
         arcs_.clear();
@@ -624,7 +645,7 @@ class Tiler {
                                                 return at;
                                             },
                                             level_.size);
-                if (!passes) return;
+                if (!passes) return false;
             }
         }
         for (std::size_t r = 0; r < masks_.rims.size(); ++r) {
@@ -634,7 +655,7 @@ class Tiler {
                 for (std::size_t n = 0; n < 4; ++n) values[n] = Field(sheet, corners[n], k, f);
                 return values;
             };
-            if (!AddStraight(at, level_.size)) return;
+            if (!AddStraight(at, level_.size)) return false;
         }
         TileCorners light{};
         for (std::size_t n = 0; n < 4; ++n) {
@@ -643,9 +664,10 @@ class Tiler {
         if (straight_.empty() && arcs_.empty()) {
             Rescale(light);
             out_.smooth.push_back({static_cast<std::int16_t>(l), x, y, light});
-            return;
+            return true;
         }
         EmitEdge(l, x, y, sheet, corners, light);
+        return true;
     }
 
     void EmitEdge(int l, int x, int y, const Level::Sheet& sheet,

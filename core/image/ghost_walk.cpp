@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/image/net_shape.h"
 #include "core/image/piece_clip.h"
@@ -318,6 +319,8 @@ CellBounds BoundCell(const GhostSurface& surface,
     const GhostMesh& mesh = surface.mesh();
     if (surface.FarOutsideStop(cell, iris.outer_radius())) return bounds;
     bounds.open = surface.UseOf(cell) != CellUse::kTriangle;
+    bounds.x0 = bounds.y0 = std::numeric_limits<double>::infinity();
+    bounds.x1 = bounds.y1 = -bounds.x0;
     for (const std::vector<double>& weights : node_weights) {
         surface.Evaluate(cell, weights, 0, mesh.field_count(), surface_nets);
         std::vector<BezierNet>& nets = surface_nets.nets;
@@ -338,14 +341,14 @@ CellBounds BoundCell(const GhostSurface& surface,
             shut = shut || rim.lo > 0.0;
             bounds.open = bounds.open && rim.hi < -kOpenMargin;
         }
-        if (shut) continue;
+        // Also where it is shut: a wavelength in between may pass.
         const NetRange x = RangeOf(nets[0]);
         const NetRange y = RangeOf(nets[1]);
-        bounds.x0 = bounds.passes ? std::min(bounds.x0, x.lo) : x.lo;
-        bounds.x1 = bounds.passes ? std::max(bounds.x1, x.hi) : x.hi;
-        bounds.y0 = bounds.passes ? std::min(bounds.y0, y.lo) : y.lo;
-        bounds.y1 = bounds.passes ? std::max(bounds.y1, y.hi) : y.hi;
-        bounds.passes = true;
+        bounds.x0 = std::min(bounds.x0, x.lo);
+        bounds.x1 = std::max(bounds.x1, x.hi);
+        bounds.y0 = std::min(bounds.y0, y.lo);
+        bounds.y1 = std::max(bounds.y1, y.hi);
+        bounds.passes = bounds.passes || !shut;
     }
     return bounds;
 }

@@ -60,8 +60,8 @@ struct GhostLight {
     struct Cell {
         CellPlace place;
         double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;  // what of the picture it may touch
-        bool open = false;          // no mask cuts it at any drawn wavelength
-        bool ring = false;          // around the cells that are drawn: for interpolation only
+        bool open = false;                              // no mask cuts it at any drawn wavelength
+        bool ring = false;  // around the cells that are drawn: for interpolation only
         int light_cuts = 1;
         std::size_t light_at = 0;
     };

@@ -92,8 +92,9 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
             const Floats inverse = hn::Div(Constant(1.0F), det);
             const Floats da = hn::Mul(hn::Sub(hn::Mul(ex, y.per_b), hn::Mul(ey, x.per_b)), inverse);
             const Floats db = hn::Mul(hn::Sub(hn::Mul(ey, x.per_a), hn::Mul(ex, y.per_a)), inverse);
-            a = hn::Min(hn::Max(hn::Add(a, da), lo_a), hi_a);
-            b = hn::Min(hn::Max(hn::Add(b, db), lo_b), hi_b);
+            // What is solved stays: a result does not depend on its neighbours in the vector.
+            a = hn::IfThenElse(solved, a, hn::Min(hn::Max(hn::Add(a, da), lo_a), hi_a));
+            b = hn::IfThenElse(solved, b, hn::Min(hn::Max(hn::Add(b, db), lo_b), hi_b));
             x = JetAt(cell.x, a, b);
             y = JetAt(cell.y, a, b);
             det = hn::Sub(hn::Mul(x.per_a, y.per_b), hn::Mul(x.per_b, y.per_a));
@@ -155,8 +156,11 @@ HWY_INLINE Floats ArcAt(const ArcEdge& arc, const Bilinear& bx, const Bilinear& 
         hn::Abs(hn::MulAdd(x, Constant(arc.per_x_x), hn::Mul(y, Constant(arc.per_x_y))));
     const Floats gy =
         hn::Abs(hn::MulAdd(x, Constant(arc.per_y_x), hn::Mul(y, Constant(arc.per_y_y))));
-    const Floats slope = hn::Add(gx, gy);
-    return hn::Div(over, hn::Max(hn::Add(slope, slope), Constant(1e-20F)));
+    const Floats slope = hn::Max(hn::Add(gx, gy), Constant(1e-20F));
+    // A pixel's mean over a convex edge is less than its middle's value: the second term keeps the
+    // area.
+    return hn::MulAdd(slope, Constant(1.0F / (12.0F * arc.radius2)),
+                      hn::Div(over, hn::Add(slope, slope)));
 }
 
 void Shade(const EdgeShade& tile, TilePixels& out) {

@@ -12,16 +12,16 @@ QualitySettings SettingsOf(QualityPreset preset) {
     switch (preset) {
         case QualityPreset::kDraft:
             settings = {16, 8, 0.1, 0.03, 3, 14, 16.0, 8, 5e-3, {0.2, 0.15, 4.0, 64.0, 0.15}};
-            settings.tiles = {0.1, 0.3};
+            settings.tiles = {0.1, 0.15};
             settings.tolerance = 0.05;
             break;
         case QualityPreset::kPreview:
             settings = {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
-            settings.tiles = {0.04, 0.15};
+            settings.tiles = {0.04, 0.05};
             break;
         case QualityPreset::kFinal:
             settings = {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
-            settings.tiles = {0.01, 0.05};
+            settings.tiles = {0.01, 0.02};
             settings.tolerance = 0.005;
             break;
         case QualityPreset::kReference:

@@ -265,7 +265,7 @@ Error Bad(const char* message) {
 
 std::string EncodeMesh(const Fingerprint& key, const GhostMesh& mesh) {
     const auto& [sequence, field_rad, azimuth_rad, inverse_distance, stop_crossings, interactions,
-                 rims, absorbing, grids, rays_traced, ray_surfaces, in_doubles] = mesh;
+                 rims, absorbing, grids, in_doubles, rays_traced, ray_surfaces] = mesh;
     Writer payload;
     payload.Reserve(mesh.bytes() + grids.size() * 128 + 1024);
     payload.PutInts(sequence);

@@ -118,7 +118,7 @@ TEST(MeshFile, HasTheLayoutOfItsDescription) {
     EXPECT_EQ(field_rad, 0.1);
     // Per grid: 4 f64, 2 i32, u8, alive bits, cells at two bits, u64, and per node f64 and floats:
     // 7 stored fields and 3 passages a vertex.
-    const std::size_t head = 8 + 2 * 4 + 3 * 8 + 2 * 4 + (8 + 4) * 2 + 2 * 8 + 8;
+    const std::size_t head = 8 + 2 * 4 + 3 * 8 + 2 * 4 + (8 + 4) * 2 + 2 * 8 + 1 + 8;
     const std::size_t grid1 = 41 + 1 + 1 + 8 + 2 * (8 + 6 * 10 * 4);
     const std::size_t grid2 = 41 + 1 + 1 + 8 + 2 * (8 + 4 * 10 * 4);
     EXPECT_EQ(file.size(), 56 + head + grid1 + grid2);
@@ -182,7 +182,7 @@ TEST(MeshFile, StaysSoundWhenTheChecksumIsRightAndTheRestIsNot) {
 TEST(MeshFile, TakesNoMemoryForSizesThatAreNotThere) {
     const std::string file = EncodeMesh(kKey, SmallMesh());
     const std::size_t sequence = kMeshFileHeaderBytes;
-    const std::size_t grids = sequence + 8 + 2 * 4 + 3 * 8 + 2 * 4 + (8 + 4) * 2 + 2 * 8;
+    const std::size_t grids = sequence + 8 + 2 * 4 + 3 * 8 + 2 * 4 + (8 + 4) * 2 + 2 * 8 + 1;
     const std::size_t sides = grids + 8 + 4 * 8;
     ASSERT_EQ(NumberAt(file, grids, 8), 2U);
     ASSERT_EQ(NumberAt(file, sides, 4), 3U);
