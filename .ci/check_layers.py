@@ -84,7 +84,7 @@ class Layers:
         """A source's own layer; a header's is that of its source. A header without one belongs to
         the lowest layer of its folder; if several are the lowest, they share it, and any layer
         above may see it too: there is nothing to link."""
-        source = re.sub(r"\.h$", ".cpp", path)
+        source = re.sub(r"(-inl)?\.h$", ".cpp", path)
         if source in self.by_source:
             return self.by_source[source]
         if path.endswith(".cpp") or self.is_program(path):

@@ -31,7 +31,7 @@ CellPolynomial PolynomialOf(const BezierNet& net) {
     return out;
 }
 
-PixelBox BoxOf(const BezierNet& x, const BezierNet& y) {
+PixelBox BoxOfNets(const BezierNet& x, const BezierNet& y) {
     const NetRange rx = RangeOf(x);
     const NetRange ry = RangeOf(y);
     return {static_cast<float>(rx.lo), static_cast<float>(ry.lo), static_cast<float>(rx.hi),
@@ -76,6 +76,11 @@ void PixelBox::Join(const PixelBox& other) {
     y0 = std::min(y0, other.y0);
     x1 = std::max(x1, other.x1);
     y1 = std::max(y1, other.y1);
+}
+
+PixelBox BoxOf(const GhostLight::Cell& cell) {
+    return {static_cast<float>(cell.x0), static_cast<float>(cell.y0), static_cast<float>(cell.x1),
+            static_cast<float>(cell.y1)};
 }
 
 PolynomialJet JetOf(const CellPolynomial& p, float a, float b) {
@@ -148,7 +153,7 @@ std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map)
             CellFit& fit = cell.fits[k];
             fit.x = PolynomialOf(nets.nets[0]);
             fit.y = PolynomialOf(nets.nets[1]);
-            cell.boxes[k] = BoxOf(nets.nets[0], nets.nets[1]);
+            cell.boxes[k] = BoxOfNets(nets.nets[0], nets.nets[1]);
             for (const int crossing : masks.crossings) {
                 const auto f = static_cast<std::size_t>(mesh.stop_field(crossing));
                 MapNets(nets.nets[f], nets.nets[f + 1], map.stop_per_x, map.stop_per_y, {0.0, 0.0});

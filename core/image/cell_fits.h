@@ -18,6 +18,9 @@ struct PixelBox {
     void Join(const PixelBox& other);
 };
 
+// What a cell may touch.
+PixelBox BoxOf(const GhostLight::Cell& cell);
+
 struct FittedCell {
     int cell = 0;  // index in GhostLight::cells
     bool ring = false;
