@@ -50,6 +50,12 @@ void StartLeft(const TileBox& all, GhostTiles& out) {
         static_cast<std::size_t>(out.left_width) * static_cast<std::size_t>(out.left_height), 0);
 }
 
+// Kept by each thread from ghost to ghost: fresh memory costs more than what is put into it.
+TileLevel& LevelOfThread() {
+    thread_local TileLevel level;
+    return level;
+}
+
 class Tiler {
   public:
     Tiler(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
@@ -58,6 +64,7 @@ class Tiler {
           window_(window),
           cells_(FitCells(ghost, map)),
           light_(ghost),
+          level_(LevelOfThread()),
           solver_(ghost, iris, cells_, light_, tolerance, level_),
           edges_(ghost, iris, cells_, light_, unit, out_) {}
 
@@ -150,7 +157,7 @@ class Tiler {
     const PixelWindow& window_;
     std::vector<FittedCell> cells_;
     TileLight light_;
-    TileLevel level_;
+    TileLevel& level_;
     GhostTiles out_;
     TileSolver solver_;
     TileEdges edges_;

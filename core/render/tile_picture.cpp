@@ -255,10 +255,13 @@ void TilePicture::Finish(ThreadPool& threads) {
 }
 
 std::vector<float> TilePicture::Channel(int index, double scale) const {
-    constexpr double kMost = std::numeric_limits<float>::max();
+    constexpr float kMost = std::numeric_limits<float>::max();
     const std::vector<float>& plane = pixels_[static_cast<std::size_t>(index)];
     std::vector<float> values(window_.pixels());
     const double factor = scale * unit_;
+    // Floats will do unless the factor itself is beyond their range.
+    const bool tame = factor > 1e-30 && factor < 1e30;
+    const auto tame_factor = static_cast<float>(tame ? factor : 1.0);
     for (int y = 0; y < window_.height; ++y) {
         const float* const from = plane.data() +
                                   static_cast<std::size_t>(y + window_.y - padded_.y) *
@@ -266,9 +269,17 @@ std::vector<float> TilePicture::Channel(int index, double scale) const {
                                   static_cast<std::size_t>(window_.x - padded_.x);
         float* const to =
             values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
+        if (tame) {
+            for (int x = 0; x < window_.width; ++x) {
+                const float value = from[x] * tame_factor;
+                to[x] = std::max(-kMost, std::min(kMost, value));
+            }
+            continue;
+        }
         for (int x = 0; x < window_.width; ++x) {
+            const double value = static_cast<double>(from[x]) * factor;
             to[x] = static_cast<float>(
-                std::clamp(static_cast<double>(from[x]) * factor, -kMost, kMost));
+                std::clamp(value, -static_cast<double>(kMost), static_cast<double>(kMost)));
         }
     }
     return values;
