@@ -28,7 +28,7 @@
 namespace flare {
 namespace {
 
-constexpr int kGhostsPerBatch = 12;
+constexpr int kGhostsPerBatch = 24;
 constexpr std::size_t kMostReportedLights = 64;
 
 PixelWindow DataWindow(const ImageSpec& image) {
@@ -71,15 +71,18 @@ class Job {
           flux_tables_(lens_, {flux_wavelength_nm_}, context.threads),
           planner_(request, iris_, SceneFactor(), context.threads),
           error_(lens_, settings_, spectral_),
-          picture_(DataWindow(request.image),
-                   spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0) {
-        if (!settings_.tiles || spectral_) return;
+          window_(DataWindow(request.image)) {
+        if (!settings_.tiles || spectral_) {
+            picture_.emplace(window_,
+                             spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0);
+            return;
+        }
         double brightest = 0.0;
         for (const LightSpec& light : request.lights) {
             const Vec3d& e = light.irradiance;
             brightest = std::max({brightest, e.x, e.y, e.z});
         }
-        tile_picture_.emplace(picture_.window(), request.image.width, request.image.height,
+        tile_picture_.emplace(window_, request.image.width, request.image.height,
                               brightest > 0.0 ? brightest : 1.0);
     }
 
@@ -214,8 +217,8 @@ class Job {
         } else {
             std::vector<GhostLight> lights;
             for (TiledGhost& ghost : ghosts) lights.push_back(std::move(ghost.light));
-            count(picture_.Draw(lights, iris_, map, settings_.walk, context_.threads,
-                                context_.cancel));
+            count(picture_->Draw(lights, iris_, map, settings_.walk, context_.threads,
+                                 context_.cancel));
         }
     }
 
@@ -303,7 +306,7 @@ class Job {
                       : std::vector<double>{kDrawnLow_nm, 0.5 * (kDrawnLow_nm + kDrawnHigh_nm),
                                             kDrawnHigh_nm};
         if (tile_picture_) map = tile_picture_->MapFromMiddle(map);
-        const WalkWindow window = WalkWindowOf(picture_.window());
+        const WalkWindow window = WalkWindowOf(window_);
         std::vector<GhostLight::Cell> cells =
             CellsInWindow(*surface, bounded, iris_, map, tile_picture_ ? WalkWindow{} : window);
         work.cells += cells.size();
@@ -341,7 +344,7 @@ class Job {
                                           const std::vector<GhostLight::Cell>& cells) const {
         const PixelWindow frame{0, 0, request_.image.width, request_.image.height};
         if (!tile_picture_) {
-            return picture_.window() == frame
+            return window_ == frame
                        ? cells
                        : CellsInWindow(surface, bounded, iris_, map, WalkWindowOf(frame));
         }
@@ -375,14 +378,14 @@ class Job {
         const double t0 = context_.now_ms();
         FlareImage image;
         image.full = {0, 0, request_.image.width, request_.image.height};
-        image.data = picture_.window();
+        image.data = window_;
         image.pixel_aspect = ShownPixelAspect(request_);
         image.rec709 = !spectral_;
         const Vec2d pitch = PixelPitch(request_);
         const double scale = SceneFactor() / (pitch.x * pitch.y);
 
         if (tile_picture_) tile_picture_->Finish(context_.threads);
-        const int planes = picture_.channel_count();
+        const int planes = picture_ ? picture_->channel_count() : 3;
         image.planes.resize(static_cast<std::size_t>(planes) * 2);
         context_.threads.For(planes, [&](int p) {
             static const char* const kRgb[] = {"R", "G", "B"};
@@ -391,7 +394,7 @@ class Job {
             ImagePlane& root = image.planes[n];
             root.name = name;
             root.values =
-                tile_picture_ ? tile_picture_->Channel(p, scale) : picture_.Channel(p, scale);
+                tile_picture_ ? tile_picture_->Channel(p, scale) : picture_->Channel(p, scale);
             image.planes[n + static_cast<std::size_t>(planes)] = {"ghosts." + name, root.values};
         });
         report_.work.resolve_ms = context_.now_ms() - t0;
@@ -413,8 +416,10 @@ class Job {
     GhostPlanner planner_;
     ErrorEstimate error_;
     std::vector<bool> drawn_;  // each ghost of the report, for some light
-    Picture picture_;
-    std::optional<TilePicture> tile_picture_;  // stands in for picture_ where there is one
+    PixelWindow window_;
+    // One of the two.
+    std::optional<Picture> picture_;
+    std::optional<TilePicture> tile_picture_;
     Report report_;
     bool reported_ = true;  // the light at hand stands in the report
 };
