@@ -98,6 +98,8 @@ class Tiler {
         const std::size_t edges_before = out_.edges.size();
         std::array<bool, kSheets> lit{};
         for (std::size_t s = 0; s < kSheets && !bad; ++s) {
+            // Where no cell that is drawn lands, nothing of this sheet is lit.
+            if (level_.live[s][tile] == 0) continue;
             int none = 0;
             int once = 0;
             for (const std::size_t n : corners) {
@@ -110,8 +112,8 @@ class Tiler {
             constexpr int kAll = 4 * kTracedInTiles;
             lit[s] = once == kAll;
             if (none != kAll && once != kAll) bad = true;
-            // Cells that lie between the corners.
-            if (none == kAll && level_.live[s][tile] != 0) bad = true;
+            // Cells may lie between the corners.
+            if (none == kAll) bad = true;
         }
         for (std::size_t s = 0; s < kSheets && !bad; ++s) {
             if (!lit[s]) continue;

@@ -28,7 +28,7 @@
 namespace flare {
 namespace {
 
-constexpr int kGhostsPerBatch = 24;
+constexpr int kGhostsPerBatch = 12;
 constexpr std::size_t kMostReportedLights = 64;
 
 PixelWindow DataWindow(const ImageSpec& image) {
