@@ -121,8 +121,10 @@ class Tiler {
             const float flat = level_.flat[s][tile];
             const float scale = flat > 0.0F ? level_.truth[s][tile] / flat : 1.0F;
             // The corners may all be dark while light passes between them.
-            const bool passes = edges_.Emit(l, x, y, level_.sheets[s], corners, scale);
-            bad = !passes && level_.lit[s][tile] != 0;
+            const TileEdges::Outcome outcome =
+                edges_.Emit(l, x, y, level_.sheets[s], corners, scale);
+            bad = outcome == TileEdges::Outcome::kTooMany ||
+                  (outcome == TileEdges::Outcome::kShut && level_.lit[s][tile] != 0);
         }
         if (!bad) return;
         out_.smooth.resize(smooth_before);

@@ -97,14 +97,14 @@ bool TileEdges::AddIris(std::size_t c, const TileLevel::Sheet& sheet,
     return true;
 }
 
-bool TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
-                     const std::array<std::size_t, 4>& corners, float scale) {
+TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
+                                   const std::array<std::size_t, 4>& corners, float scale) {
     size_ = TileSize(level);
     straight_.clear();
     arcs_.clear();
     const std::size_t crossings = masks_.crossings.size();
     for (std::size_t c = 0; c < crossings; ++c) {
-        if (!AddIris(c, sheet, corners)) return false;
+        if (!AddIris(c, sheet, corners)) return Outcome::kShut;
     }
     for (std::size_t r = 0; r < masks_.rims.size(); ++r) {
         const auto at = [&](std::size_t k) {
@@ -113,8 +113,10 @@ bool TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
                 values[n] = Field(sheet, corners[n], k, 2 * crossings + r);
             return values;
         };
-        if (!AddStraight(at)) return false;
+        if (!AddStraight(at)) return Outcome::kShut;
     }
+    constexpr std::size_t kMost = kTileEdges;
+    if (straight_.size() > kMost || arcs_.size() > kMost) return Outcome::kTooMany;
     TileCorners light{};
     for (std::size_t n = 0; n < 4; ++n) {
         for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale * sheet.rgb[3 * corners[n] + c];
@@ -122,10 +124,10 @@ bool TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
     if (straight_.empty() && arcs_.empty()) {
         Rescale(light);
         out_.smooth.push_back({static_cast<std::int16_t>(level), x, y, light});
-        return true;
+        return Outcome::kAdded;
     }
     EmitEdge(level, x, y, sheet, corners, light);
-    return true;
+    return Outcome::kAdded;
 }
 
 void TileEdges::EmitEdge(int l, int x, int y, const TileLevel::Sheet& sheet,

@@ -25,10 +25,14 @@ class TileEdges {
           out_(out),
           masks_(ghost.masks) {}
 
-    // The tile (x, y) of a level with its corners on one sheet, its light times `scale`. False,
-    // and nothing added, if a mask shuts it out.
-    bool Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
-              const std::array<std::size_t, 4>& corners, float scale);
+    enum class Outcome {
+        kAdded,
+        kShut,     // by a mask
+        kTooMany,  // edges for the kernel
+    };
+    // The tile (x, y) of a level with its corners on one sheet, its light times `scale`.
+    Outcome Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
+                 const std::array<std::size_t, 4>& corners, float scale);
 
   private:
     // Corner values of a condition at one wavelength, as pixels across the edge.

@@ -168,9 +168,9 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
     const int lanes = static_cast<int>(hn::Lanes(tag));
     const int size = tile.size;
     const int traced = tile.bands > 0 ? kTracedInTiles : 1;
-    Bilinear straight[kTracedInTiles * 16];
-    Bilinear arc_x[kTracedInTiles * 16];
-    Bilinear arc_y[kTracedInTiles * 16];
+    Bilinear straight[kTracedInTiles * kTileEdges];
+    Bilinear arc_x[kTracedInTiles * kTileEdges];
+    Bilinear arc_y[kTracedInTiles * kTileEdges];
     for (int e = 0; e < traced * tile.straight; ++e)
         straight[e] = BilinearOf(tile.straight_edges[e].corners, size);
     for (int e = 0; e < traced * tile.arcs; ++e) {

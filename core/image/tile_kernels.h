@@ -15,6 +15,7 @@ inline constexpr int kTileNodes = 64;     // places solved in one call, a multip
 inline constexpr int kTileFields = 12;    // most mask fields of a ghost
 inline constexpr int kLargestTile = 16;   // pixels along a side
 inline constexpr int kTracedInTiles = 3;  // wavelengths
+inline constexpr int kTileEdges = 4;      // most straight edges in a tile, and most arcs
 
 // A polynomial over a cell, 0 <= a, b <= 1: coefficient [4 * power of b + power of a].
 using CellPolynomial = std::array<float, 16>;
@@ -56,8 +57,9 @@ struct ArcEdge {
 };
 
 struct EdgeShade {
-    int size = 0;                // pixels along the tile's side
-    int straight = 0, arcs = 0;  // of each traced wavelength, one wavelength after another
+    int size = 0;  // pixels along the tile's side
+    // Of each traced wavelength, one wavelength after another; at most kTileEdges of either.
+    int straight = 0, arcs = 0;
     const StraightEdge* straight_edges = nullptr;
     const ArcEdge* arc_edges = nullptr;
     float light[3][4];  // at the corners
