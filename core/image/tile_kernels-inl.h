@@ -76,7 +76,6 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
     const Floats lo_b = Constant(part.b0 - slack_b);
     const Floats hi_b = Constant(part.b1 + slack_b);
     block.found = 0;
-    block.failed = 0;
     for (int n = 0; n < block.count; n += lanes) {
         const Floats px = hn::Load(tag, block.px + n);
         const Floats py = hn::Load(tag, block.py + n);
@@ -114,9 +113,6 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
         std::uint64_t word = 0;
         std::memcpy(&word, bits, sizeof(word));
         block.found |= word << n;
-        hn::StoreMaskBits(tag, hn::AndNot(solved, within), bits);
-        std::memcpy(&word, bits, sizeof(word));
-        block.failed |= word << n;
         for (int f = 0; f < cell.field_count; ++f) {
             hn::Store(ValueAt(cell.fields[static_cast<std::size_t>(f)], a, b), tag,
                       block.fields[f] + n);
@@ -125,7 +121,6 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
     if (block.count < kTileNodes) {
         const std::uint64_t used = (std::uint64_t{1} << block.count) - 1;
         block.found &= used;
-        block.failed &= used;
     }
 }
 

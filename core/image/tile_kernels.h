@@ -38,8 +38,7 @@ struct NodeBlock {
     // Out: the point, the Jacobian d(x, y) / d(a, b), and the masks there.
     alignas(64) float a[kTileNodes], b[kTileNodes], det[kTileNodes];
     alignas(64) float fields[kTileFields][kTileNodes];
-    std::uint64_t found = 0;   // bit n: the point lies in the part
-    std::uint64_t failed = 0;  // bit n: no convergence, and it may lie in the part
+    std::uint64_t found = 0;  // bit n: the point lies in the part
 };
 
 // By Newton's method from the part's middle.

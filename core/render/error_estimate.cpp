@@ -23,10 +23,7 @@ constexpr double kEdge = 3.5449077018110318;  // 2 sqrt(pi): perimeter over root
 // layer, 4 % for three and 35 % for more (docs/physics/coatings.md), and it falls with the fourth
 // power.
 double ColourError(const Lens& lens, const QualitySettings& settings) {
-    std::size_t layers = 0;
-    for (const LensSurface& surface : lens.surfaces()) {
-        layers = std::max(layers, surface.coating.layers.size());
-    }
+    const std::size_t layers = MostCoatingLayers(lens);
     const double at_21 = layers <= 1 ? 0.0012 : (layers <= 3 ? 0.04 : 0.35);
     return std::min(1.0, at_21 * std::pow(21.0 / ColourBandsFor(lens, settings), 4.0));
 }

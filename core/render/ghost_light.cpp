@@ -25,21 +25,31 @@ std::vector<std::vector<std::uint8_t>> UsedVertices(const GhostMesh& mesh,
     return used;
 }
 
-// Where a cell lands, from its corners with ample room.
-void BoxFromCorners(const GhostSurface& surface, const PictureMap& map, GhostLight::Cell& cell) {
-    const MeshGrid& grid = surface.mesh().grids[static_cast<std::size_t>(cell.place.grid)];
-    const auto stored = static_cast<std::size_t>(surface.mesh().stored_count());
-    Vec2d lo(1e300), hi(-1e300);
+// The box of a cell's corners on the picture, at all traced wavelengths.
+struct CornerBox {
+    Vec2d lo{1e300, 1e300}, hi{-1e300, -1e300};
+};
+
+CornerBox CornersOf(const GhostSurface& surface, const CellPlace& place, const PictureMap& map) {
+    const GhostMesh& mesh = surface.mesh();
+    const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(place.grid)];
+    const auto stored = static_cast<std::size_t>(mesh.stored_count());
+    CornerBox box;
     for (const MeshNode& node : grid.nodes) {
         for (int corner = 0; corner < 4; ++corner) {
-            const std::size_t v = grid.Vertex(cell.place.i + corner % 2, cell.place.j + corner / 2);
-            const Vec2d at =
-                surface.mesh().SensorPlace(&node.fields[v * stored], surface.sensor_gap_mm());
+            const std::size_t v = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
+            const Vec2d at = mesh.SensorPlace(&node.fields[v * stored], surface.sensor_gap_mm());
             const Vec2d p = map.Pixel(at.x, at.y);
-            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
-            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+            box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
+            box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
         }
     }
+    return box;
+}
+
+// Where a cell lands, from its corners with ample room.
+void BoxFromCorners(const GhostSurface& surface, const PictureMap& map, GhostLight::Cell& cell) {
+    const auto [lo, hi] = CornersOf(surface, cell.place, map);
     const Vec2d room = (hi - lo) * 0.5 + Vec2d(2.0, 2.0);
     cell.x0 = lo.x - room.x;
     cell.x1 = hi.x + room.x;
@@ -62,19 +72,7 @@ namespace {
 bool FarFromWindow(const GhostSurface& surface, const CellPlace& place, const PictureMap& map,
                    const WalkWindow& window) {
     if (surface.UseOf(place) == CellUse::kTriangle) return false;
-    const GhostMesh& mesh = surface.mesh();
-    const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(place.grid)];
-    const auto stored = static_cast<std::size_t>(mesh.stored_count());
-    Vec2d lo(1e300), hi(-1e300);
-    for (const MeshNode& node : grid.nodes) {
-        for (int corner = 0; corner < 4; ++corner) {
-            const std::size_t v = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
-            const Vec2d at = mesh.SensorPlace(&node.fields[v * stored], surface.sensor_gap_mm());
-            const Vec2d pixel = map.Pixel(at.x, at.y);
-            lo = {std::min(lo.x, pixel.x), std::min(lo.y, pixel.y)};
-            hi = {std::max(hi.x, pixel.x), std::max(hi.y, pixel.y)};
-        }
-    }
+    const auto [lo, hi] = CornersOf(surface, place, map);
     // The surface bulges out of its corners' box by less than the box's size.
     constexpr double kPad_px = 32.0;
     const Vec2d margin = hi - lo + Vec2d(kPad_px, kPad_px);

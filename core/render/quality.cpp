@@ -35,11 +35,16 @@ QualitySettings SettingsOf(QualityPreset preset) {
     return settings;
 }
 
-int ColourBandsFor(const Lens& lens, const QualitySettings& settings) {
+std::size_t MostCoatingLayers(const Lens& lens) {
     std::size_t layers = 0;
     for (const LensSurface& surface : lens.surfaces()) {
         layers = std::max(layers, surface.coating.layers.size());
     }
+    return layers;
+}
+
+int ColourBandsFor(const Lens& lens, const QualitySettings& settings) {
+    const std::size_t layers = MostCoatingLayers(lens);
     constexpr int kAll = kSpectrumSamples;
     const int bands = settings.colour_bands;
     if (layers <= 1 || bands >= kAll) return bands;

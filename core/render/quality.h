@@ -33,6 +33,9 @@ struct QualitySettings {
 
 QualitySettings SettingsOf(QualityPreset preset);
 
+// Layers of the lens's most elaborate coating.
+std::size_t MostCoatingLayers(const Lens& lens);
+
 // The colour bands that a lens needs: the more layers a coating has, the faster its reflectance
 // changes with wavelength. With 21 bands a ghost's colour is right to 0.12 % for one layer but only
 // to 4 % for three and 35 % for a multilayer; with 41 to 0.007, 0.23 and 1.8 %
