@@ -16,6 +16,7 @@
 #include <sstream>
 #include <thread>
 
+#include "core/base/keep_memory.h"
 #include "protocol/limits.h"
 #include "protocol/openapi.h"
 #include "server/cache/disk_cache.h"
@@ -275,6 +276,7 @@ int Main(int argc, char** argv) {
 }  // namespace flare
 
 int main(int argc, char** argv) {
+    flare::KeepFreedMemory();
     try {
         return flare::Main(argc, argv);
     } catch (const std::exception& problem) {

@@ -15,6 +15,7 @@
 #include <string>
 #include <thread>
 
+#include "core/base/keep_memory.h"
 #include "core/image/exr.h"
 #include "core/image/line_deflate.h"
 #include "core/image/preview.h"
@@ -355,6 +356,7 @@ void RequestWarm(benchmark::State& state) {
 }  // namespace flare
 
 int main(int argc, char** argv) {
+    flare::KeepFreedMemory();
     using benchmark::RegisterBenchmark;
     const auto milliseconds = benchmark::kMillisecond;
     RegisterBenchmark("trace/seed_lens_reference", flare::TraceSeedReference)->Unit(milliseconds);
