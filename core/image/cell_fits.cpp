@@ -3,71 +3,241 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "core/image/net_shape.h"
+#include <utility>
 
 namespace flare {
 namespace {
 
-// Bernstein to powers, along one direction.
-constexpr std::array<std::array<double, 4>, 4> kPowers = {
-    {{1.0, 0.0, 0.0, 0.0}, {-3.0, 3.0, 0.0, 0.0}, {3.0, -6.0, 3.0, 0.0}, {-1.0, 3.0, -3.0, 1.0}}};
+using Cubic = std::array<float, 4>;
 
-CellPolynomial PolynomialOf(const BezierNet& net) {
-    std::array<double, 16> rows{};  // powers of a, Bernstein in b
-    for (std::size_t j = 0; j < 4; ++j) {
-        for (std::size_t p = 0; p < 4; ++p) {
-            for (std::size_t i = 0; i <= p; ++i) rows[4 * j + p] += kPowers[p][i] * net[4 * j + i];
-        }
-    }
-    CellPolynomial out{};
-    for (std::size_t q = 0; q < 4; ++q) {
-        for (std::size_t p = 0; p < 4; ++p) {
-            double sum = 0.0;
-            for (std::size_t j = 0; j <= q; ++j) sum += kPowers[q][j] * rows[4 * j + p];
-            out[4 * q + p] = static_cast<float>(sum);
-        }
+// Powers of t from values and slopes at 0 and 1.
+Cubic CubicOf(float at0, float slope0, float at1, float slope1) {
+    return {at0, slope0, 3.0F * (at1 - at0) - 2.0F * slope0 - slope1,
+            2.0F * (at0 - at1) + slope0 + slope1};
+}
+
+CellPolynomial PolynomialOf(const CellJets& jets) {
+    const auto& [a, b, c, d] = jets;
+    const Cubic low = CubicOf(a[0], a[1], b[0], b[1]);
+    const Cubic low_slope = CubicOf(a[2], a[3], b[2], b[3]);
+    const Cubic high = CubicOf(c[0], c[1], d[0], d[1]);
+    const Cubic high_slope = CubicOf(c[2], c[3], d[2], d[3]);
+    CellPolynomial out;
+    for (std::size_t p = 0; p < 4; ++p) {
+        const Cubic column = CubicOf(low[p], low_slope[p], high[p], high_slope[p]);
+        for (std::size_t q = 0; q < 4; ++q) out[4 * q + p] = column[q];
     }
     return out;
 }
 
-PixelBox BoxOfNets(const BezierNet& x, const BezierNet& y) {
-    const NetRange rx = RangeOf(x);
-    const NetRange ry = RangeOf(y);
-    return {static_cast<float>(rx.lo), static_cast<float>(ry.lo), static_cast<float>(rx.hi),
-            static_cast<float>(ry.hi)};
+// The range of the Bezier net's control values, within which the surface lies.
+std::array<float, 2> RangeOf(const CellJets& jets) {
+    float lo = 1e30F;
+    float hi = -1e30F;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const auto& [f, du, dv, duv] = jets[corner];
+        const float u = corner % 2 == 0 ? du / 3.0F : -du / 3.0F;
+        const float v = corner / 2 == 0 ? dv / 3.0F : -dv / 3.0F;
+        const float uv = corner % 2 == corner / 2 ? duv / 9.0F : -duv / 9.0F;
+        lo = std::min({lo, f, f + u, f + v, f + u + v + uv});
+        hi = std::max({hi, f, f + u, f + v, f + u + v + uv});
+    }
+    return {lo, hi};
 }
 
-// Into how many parts the cell is cut so that the map is nearly affine over each, and which signs
-// the Jacobian has.
-void ChooseParts(FittedCell& cell, std::size_t k) {
-    constexpr int kSamples = 3;
-    constexpr float kEven = 0.4F;
-    const CellFit& fit = cell.fits[k];
-    float least = 1e30F;
-    float most = -1e30F;
-    for (int j = 0; j < kSamples; ++j) {
-        for (int i = 0; i < kSamples; ++i) {
-            const float a = static_cast<float>(i) / (kSamples - 1);
-            const float b = static_cast<float>(j) / (kSamples - 1);
-            const PolynomialJet x = JetOf(fit.x, a, b);
-            const PolynomialJet y = JetOf(fit.y, a, b);
-            const float det = x.per_a * y.per_b - x.per_b * y.per_a;
-            least = std::min(least, det);
-            most = std::max(most, det);
+// x and y turned and shifted, jet by jet.
+void MapJets(CellJets& x, CellJets& y, const Vec2d& per_x, const Vec2d& per_y,
+             const Vec2d& offset) {
+    const auto xx = static_cast<float>(per_x.x), xy = static_cast<float>(per_x.y);
+    const auto yx = static_cast<float>(per_y.x), yy = static_cast<float>(per_y.y);
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        for (std::size_t d = 0; d < 4; ++d) {
+            const float at_x = x[corner][d];
+            const float at_y = y[corner][d];
+            x[corner][d] = xx * at_x + yx * at_y;
+            y[corner][d] = xy * at_x + yy * at_y;
+        }
+        x[corner][0] += static_cast<float>(offset.x);
+        y[corner][0] += static_cast<float>(offset.y);
+    }
+}
+
+// Surveys the fitted cells: a lattice of points over each tells of its parts.
+class CellSurvey {
+  public:
+    CellSurvey(const MaskFields& masks, const Iris& iris, std::vector<FittedPart>& out)
+        : crossings_(masks.crossings.size()),
+          rims_(masks.rims.size()),
+          outer_(static_cast<float>(iris.outer_radius())),
+          inner_(static_cast<float>(iris.inner_radius())),
+          out_(out) {}
+
+    void Add(FittedCell& cell) {
+        bool folds = false;
+        for (std::size_t k = 0; k < kTracedInTiles; ++k) folds = SetStarts(cell, k) || folds;
+        cell.parts_at = out_.size();
+        AddParts(cell, {}, folds ? kManyParts : kFewParts, 0);
+        cell.part_count = out_.size() - cell.parts_at;
+    }
+
+  private:
+    static constexpr int kFewParts = 3, kManyParts = 8;
+    // Parts that fold are cut further until they are as narrow as this.
+    static constexpr float kNarrow_px = 8.0F;
+    static constexpr int kMostDepth = 4;
+
+    // From how many places Newton's method starts, so that the map is nearly affine around each, 0:
+    // from each part; true if the cell folds.
+    bool SetStarts(FittedCell& cell, std::size_t k) {
+        constexpr float kEven = 0.4F;
+        constexpr float kFolding = 0.02F;
+        Evaluate(cell.fits[k], {}, 3, true, points_[k]);
+        float least = 1e30F;
+        float most = -1e30F;
+        for (const Point& p : points_[k]) {
+            least = std::min(least, p.det);
+            most = std::max(most, p.det);
+        }
+        if (most < 0.0F) {
+            std::swap(least, most);
+            least = -least;
+            most = -most;
+        }
+        const bool folds = !(least > kFolding * most);
+        cell.starts[k] = folds ? 0 : least > kEven * most ? 1 : 2;
+        return folds;
+    }
+
+    struct Point {
+        float x, y, det;
+        std::array<float, kTileFields> fields;
+    };
+
+    // A lattice of `side` points a side over a part of the cell.
+    void Evaluate(const CellFit& fit, const CellPart& range, int side, bool without_masks,
+                  std::vector<Point>& points) {
+        const int count = side * side;
+        points.resize(static_cast<std::size_t>(count));
+        const float step_a = (range.a1 - range.a0) / static_cast<float>(side - 1);
+        const float step_b = (range.b1 - range.b0) / static_cast<float>(side - 1);
+        const int fields = without_masks ? 0 : fit.field_count;
+        for (int first = 0; first < count; first += kTileNodes) {
+            block_.count = std::min(kTileNodes, count - first);
+            for (int n = 0; n < block_.count; ++n) {
+                block_.a[n] = range.a0 + static_cast<float>((first + n) % side) * step_a;
+                block_.b[n] = range.b0 + static_cast<float>((first + n) / side) * step_b;
+            }
+            EvaluatePoints(fit, fields, nullptr, block_);
+            for (int n = 0; n < block_.count; ++n) {
+                Point& p = points[static_cast<std::size_t>(first + n)];
+                p.x = block_.px[n];
+                p.y = block_.py[n];
+                p.det = block_.det[n];
+                for (int f = 0; f < fields; ++f)
+                    p.fields[static_cast<std::size_t>(f)] = block_.fields[f][n];
+            }
         }
     }
-    cell.on_sheet[0] = cell.on_sheet[0] || most > 0.0F;
-    cell.on_sheet[1] = cell.on_sheet[1] || least < 0.0F;
-    if (most < 0.0F) {
-        const float swap = -least;
-        least = -most;
-        most = swap;
+
+    // Cuts a part of the cell into cuts x cuts parts, those of them that fold into finer ones.
+    void AddParts(const FittedCell& cell, const CellPart& range, int cuts, int depth) {
+        const int side = 2 * cuts + 1;
+        for (std::size_t k = 0; k < kTracedInTiles; ++k)
+            Evaluate(cell.fits[k], range, side, cell.open, points_[k]);
+        const float step_a = (range.a1 - range.a0) / static_cast<float>(cuts);
+        const float step_b = (range.b1 - range.b0) / static_cast<float>(cuts);
+        std::vector<CellPart> wide;
+        for (int j = 0; j < cuts; ++j) {
+            for (int i = 0; i < cuts; ++i) {
+                FittedPart part;
+                part.range = {range.a0 + static_cast<float>(i) * step_a,
+                              range.a0 + static_cast<float>(i + 1) * step_a,
+                              range.b0 + static_cast<float>(j) * step_b,
+                              range.b0 + static_cast<float>(j + 1) * step_b};
+                part.shut = !cell.open;
+                bool split = false;
+                for (std::size_t k = 0; k < kTracedInTiles; ++k) {
+                    std::array<const Point*, 9> at{};
+                    for (int n = 0; n < 9; ++n) {
+                        at[static_cast<std::size_t>(n)] = &points_[k][static_cast<std::size_t>(
+                            (2 * j + n / 3) * side + 2 * i + n % 3)];
+                    }
+                    const PartView& view = part.views[k] = ViewOf(at);
+                    if (!cell.open) SetMasks(at, part);
+                    split = split || (view.folds && (view.box.x1 - view.box.x0 > kNarrow_px ||
+                                                     view.box.y1 - view.box.y0 > kNarrow_px));
+                }
+                if (split && !part.shut && depth < kMostDepth) {
+                    wide.push_back(part.range);
+                } else {
+                    out_.push_back(part);
+                }
+            }
+        }
+        for (const CellPart& part : wide) AddParts(cell, part, 2, depth + 1);
     }
-    const bool folds = !(least > 0.02F * most);
-    if (folds) cell.on_sheet = {true, true};
-    cell.parts[k] = folds ? 8 : least > kEven * most ? 1 : 2;
-}
+
+    static PartView ViewOf(const std::array<const Point*, 9>& at) {
+        PartView view;
+        float least = 1e30F;
+        float most = -1e30F;
+        for (const Point* p : at) {
+            view.box.Join({p->x, p->y, p->x, p->y});
+            least = std::min(least, p->det);
+            most = std::max(most, p->det);
+        }
+        const float room_x = 0.1F * (view.box.x1 - view.box.x0) + 0.1F;
+        const float room_y = 0.1F * (view.box.y1 - view.box.y0) + 0.1F;
+        view.box = {view.box.x0 - room_x, view.box.y0 - room_y, view.box.x1 + room_x,
+                    view.box.y1 + room_y};
+        view.folds = least * most <= 0.0F;
+        view.on_sheet = {most > 0.0F, least < 0.0F};
+        return view;
+    }
+
+    // Do the masks shut out all nine points, and what lies between and around them, or let all of
+    // it pass?
+    void SetMasks(const std::array<const Point*, 9>& at, FittedPart& part) const {
+        bool shut = false;
+        for (std::size_t r = 0; r < rims_; ++r) {
+            float lo = 1e30F;
+            float hi = -1e30F;
+            for (const Point* p : at) {
+                lo = std::min(lo, p->fields[2 * crossings_ + r]);
+                hi = std::max(hi, p->fields[2 * crossings_ + r]);
+            }
+            const float room = kBetween * (hi - lo);
+            shut = shut || lo - room > 0.0F;
+            part.open = part.open && hi + room < 0.0F;
+        }
+        for (std::size_t c = 0; c < crossings_; ++c) {
+            PixelBox box;
+            for (const Point* p : at) {
+                const float x = p->fields[2 * c];
+                const float y = p->fields[2 * c + 1];
+                box.Join({x, y, x, y});
+            }
+            const float room_x = kBetween * (box.x1 - box.x0);
+            const float room_y = kBetween * (box.y1 - box.y0);
+            const float dx = std::max({box.x0 - room_x, -box.x1 - room_x, 0.0F});
+            const float dy = std::max({box.y0 - room_y, -box.y1 - room_y, 0.0F});
+            shut = shut || dx * dx + dy * dy > outer_ * outer_;
+            const float fx = std::max(std::abs(box.x0), std::abs(box.x1)) + room_x;
+            const float fy = std::max(std::abs(box.y0), std::abs(box.y1)) + room_y;
+            part.open = part.open && fx * fx + fy * fy < inner_ * inner_;
+        }
+        part.shut = part.shut && shut;
+    }
+
+    // Room for what lies between the points and for wavelengths outside the traced ones.
+    static constexpr float kBetween = 0.25F;
+
+    std::size_t crossings_, rims_;
+    float outer_, inner_;  // of the iris
+    std::vector<FittedPart>& out_;
+    NodeBlock block_;
+    std::array<std::vector<Point>, kTracedInTiles> points_;
+};
 
 }  // namespace
 
@@ -78,22 +248,16 @@ void PixelBox::Join(const PixelBox& other) {
     y1 = std::max(y1, other.y1);
 }
 
+void PixelBox::Clip(const PixelBox& other) {
+    x0 = std::max(x0, other.x0);
+    y0 = std::max(y0, other.y0);
+    x1 = std::min(x1, other.x1);
+    y1 = std::min(y1, other.y1);
+}
+
 PixelBox BoxOf(const GhostLight::Cell& cell) {
     return {static_cast<float>(cell.x0), static_cast<float>(cell.y0), static_cast<float>(cell.x1),
             static_cast<float>(cell.y1)};
-}
-
-PolynomialJet JetOf(const CellPolynomial& p, float a, float b) {
-    std::array<float, 4> row{};
-    std::array<float, 4> slope{};
-    for (std::size_t q = 0; q < 4; ++q) {
-        const float* const c = &p[4 * q];
-        row[q] = ((c[3] * a + c[2]) * a + c[1]) * a + c[0];
-        slope[q] = (3.0F * c[3] * a + 2.0F * c[2]) * a + c[1];
-    }
-    return {((row[3] * b + row[2]) * b + row[1]) * b + row[0],
-            ((slope[3] * b + slope[2]) * b + slope[1]) * b + slope[0],
-            (3.0F * row[3] * b + 2.0F * row[2]) * b + row[1]};
 }
 
 MaskFields MasksOf(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
@@ -132,44 +296,72 @@ MaskFields MasksOf(const GhostSurface& surface, const std::vector<GhostLight::Ce
     return masks;
 }
 
-std::vector<FittedCell> FitCells(const GhostLight& ghost, const PictureMap& map) {
-    const MaskFields& masks = ghost.masks;
+FittedGhost::FittedGhost(const GhostLight& ghost, const Iris& iris, const PictureMap& map)
+    : ghost_(ghost), map_(map) {
     const GhostSurface& surface = *ghost.surface;
     const GhostMesh& mesh = surface.mesh();
-    std::vector<FittedCell> cells;
-    cells.reserve(ghost.cells.size());
-    CellSurface nets;
+    cells_.reserve(ghost.cells.size());
+    fields_.resize(ghost.cells.size() * kTracedInTiles *
+                   static_cast<std::size_t>(ghost.masks.count()));
+    CellSurvey survey(ghost.masks, iris, parts_);
+    CellJets x, y;
     for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
         const GhostLight::Cell& from = ghost.cells[n];
         if (surface.UseOf(from.place) == CellUse::kTriangle) continue;
-        FittedCell& cell = cells.emplace_back();
+        FittedCell& cell = cells_.emplace_back();
         cell.cell = static_cast<int>(n);
         cell.ring = from.ring;
+        cell.open = from.open;
+        cell.box = BoxOf(from);
+        const MeshGrid& main = mesh.grids.front();
+        const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(from.place.grid)];
+        cell.u =
+            static_cast<float>((grid.u0 - main.u0) / main.du + from.place.i * grid.du / main.du);
+        cell.v =
+            static_cast<float>((grid.v0 - main.v0) / main.dv + from.place.j * grid.dv / main.dv);
+        cell.step = static_cast<float>(grid.du / main.du);
         for (std::size_t k = 0; k < kTracedInTiles; ++k) {
-            std::vector<double> only(kTracedInTiles, 0.0);
-            only[k] = 1.0;
-            surface.Evaluate(from.place, only, 0, masks.count() > 0 ? mesh.field_count() : 2, nets);
-            MapNets(nets.nets[0], nets.nets[1], map.px_per_x, map.px_per_y, map.offset_px);
             CellFit& fit = cell.fits[k];
-            fit.x = PolynomialOf(nets.nets[0]);
-            fit.y = PolynomialOf(nets.nets[1]);
-            cell.boxes[k] = BoxOfNets(nets.nets[0], nets.nets[1]);
-            for (const int crossing : masks.crossings) {
-                const auto f = static_cast<std::size_t>(mesh.stop_field(crossing));
-                MapNets(nets.nets[f], nets.nets[f + 1], map.stop_per_x, map.stop_per_y, {0.0, 0.0});
-                for (std::size_t axis = 0; axis < 2; ++axis) {
-                    fit.fields[static_cast<std::size_t>(fit.field_count++)] =
-                        PolynomialOf(nets.nets[f + axis]);
-                }
-            }
-            for (const int rim : masks.rims) {
-                fit.fields[static_cast<std::size_t>(fit.field_count++)] =
-                    PolynomialOf(nets.nets[static_cast<std::size_t>(mesh.rim_field(rim))]);
-            }
-            ChooseParts(cell, k);
+            surface.Jets(from.place, k, 0, x);
+            surface.Jets(from.place, k, 1, y);
+            MapJets(x, y, map.px_per_x, map.px_per_y, map.offset_px);
+            fit.x = PolynomialOf(x);
+            fit.y = PolynomialOf(y);
+            const auto [x0, x1] = RangeOf(x);
+            const auto [y0, y1] = RangeOf(y);
+            cell.boxes[k] = {x0, y0, x1, y1};
+            cell.boxes[k].Clip(cell.box);
+        }
+        if (!cell.open) NeedMasks(cell);
+        survey.Add(cell);
+    }
+}
+
+void FittedGhost::FitMasks(FittedCell& cell) {
+    const MaskFields& masks = ghost_.masks;
+    const GhostSurface& surface = *ghost_.surface;
+    const GhostMesh& mesh = surface.mesh();
+    const CellPlace& place = ghost_.cells[static_cast<std::size_t>(cell.cell)].place;
+    CellPolynomial* field = &fields_[static_cast<std::size_t>(&cell - cells_.data()) *
+                                     kTracedInTiles * static_cast<std::size_t>(masks.count())];
+    CellJets x, y;
+    for (std::size_t k = 0; k < kTracedInTiles; ++k) {
+        CellFit& fit = cell.fits[k];
+        fit.fields = field;
+        fit.field_count = masks.count();
+        for (const int crossing : masks.crossings) {
+            const auto f = static_cast<std::size_t>(mesh.stop_field(crossing));
+            surface.Jets(place, k, f, x);
+            surface.Jets(place, k, f + 1, y);
+            MapJets(x, y, map_.stop_per_x, map_.stop_per_y, {0.0, 0.0});
+            *field++ = PolynomialOf(x);
+            *field++ = PolynomialOf(y);
+        }
+        for (const int rim : masks.rims) {
+            surface.Jets(place, k, static_cast<std::size_t>(mesh.rim_field(rim)), x);
+            *field++ = PolynomialOf(x);
         }
     }
-    return cells;
 }
 
 }  // namespace flare

@@ -62,11 +62,12 @@ class Tiler {
           const PixelWindow& window, const TileTolerance& tolerance, double unit)
         : ghost_(ghost),
           window_(window),
-          cells_(FitCells(ghost, map)),
+
+          fitted_(ghost, iris, map),
           light_(ghost),
           level_(LevelOfThread()),
-          solver_(ghost, iris, cells_, light_, tolerance, level_),
-          edges_(ghost, iris, cells_, light_, unit, out_) {}
+          solver_(ghost, iris, fitted_, light_, tolerance, level_),
+          edges_(ghost, iris, fitted_.cells(), light_, unit, out_) {}
 
     GhostTiles Run() {
         const TileBox all = Bounds(ghost_, window_);
@@ -94,37 +95,26 @@ class Tiler {
         const auto tile = static_cast<std::size_t>(level_.tile_at[level_.Tile(x, y)]);
         const std::array<std::size_t, 4> corners = level_.Corners(x, y);
         bool bad = level_.bad[tile] != 0;
+        const bool cut = level_.cut.Has(x, y);
         const std::size_t smooth_before = out_.smooth.size();
         const std::size_t edges_before = out_.edges.size();
         std::array<bool, kSheets> lit{};
         for (std::size_t s = 0; s < kSheets && !bad; ++s) {
             // Where no cell that is drawn lands, nothing of this sheet is lit.
-            if (level_.live[s][tile] == 0) continue;
-            int none = 0;
-            int once = 0;
-            for (const std::size_t n : corners) {
-                for (std::size_t k = 0; k < kTraced; ++k) {
-                    const int found = level_.sheets[s].found[k][n];
-                    none += found == 0 ? 1 : 0;
-                    once += found == 1 ? 1 : 0;
-                }
-            }
-            constexpr int kAll = 4 * kTracedInTiles;
-            lit[s] = once == kAll;
-            if (none != kAll && once != kAll) bad = true;
-            // Cells may lie between the corners.
-            if (none == kAll) bad = true;
+            if (!level_.live[s].Has(x, y)) continue;
+            lit[s] = Solved(level_.sheets[s], corners);
+            bad = !lit[s];
         }
         for (std::size_t s = 0; s < kSheets && !bad; ++s) {
             if (!lit[s]) continue;
-            // Bilinear light is too much where light is convex: the points within set it right.
-            const float flat = level_.flat[s][tile];
-            const float scale = flat > 0.0F ? level_.truth[s][tile] / flat : 1.0F;
+            const TileColour scale = level_.sums[s][tile].Scale();
             // The corners may all be dark while light passes between them.
             const TileEdges::Outcome outcome =
-                edges_.Emit(l, x, y, level_.sheets[s], corners, scale);
+                edges_.Emit(l, x, y, level_.sheets[s], corners, scale, cut);
             bad = outcome == TileEdges::Outcome::kTooMany ||
-                  (outcome == TileEdges::Outcome::kShut && level_.lit[s][tile] != 0);
+                  outcome == TileEdges::Outcome::kTooLarge ||
+                  (outcome == TileEdges::Outcome::kShut &&
+                   (level_.lit[s][tile] != 0 || TileSize(l) > kLargestEdgeTile));
         }
         if (!bad) return;
         out_.smooth.resize(smooth_before);
@@ -135,6 +125,18 @@ class Tiler {
                       static_cast<std::size_t>(out_.left_width) +
                   static_cast<std::size_t>(x - out_.left_x)] = 1;
         out_.any_left = true;
+    }
+
+    // Does just one point land on each corner, at every wavelength? (With none, cells may lie
+    // between the corners.) Where layers of one orientation lie over each other, their masks could
+    // not be told apart nor their light be held to points of the cells.
+    static bool Solved(const TileLevel::Sheet& sheet, const std::array<std::size_t, 4>& corners) {
+        for (const std::size_t n : corners) {
+            for (std::size_t k = 0; k < kTraced; ++k) {
+                if (sheet.found[k][n] != 1) return false;
+            }
+        }
+        return true;
     }
 
     // Makes the next level's wanted tiles of this one's bad ones; false if there are none.
@@ -159,7 +161,7 @@ class Tiler {
 
     const GhostLight& ghost_;
     const PixelWindow& window_;
-    std::vector<FittedCell> cells_;
+    FittedGhost fitted_;
     TileLight light_;
     TileLevel& level_;
     GhostTiles out_;

@@ -22,7 +22,7 @@
 
 namespace flare {
 
-inline constexpr int kTileLevels = 3;
+inline constexpr int kTileLevels = 5;
 constexpr int TileSize(int level) {
     return kLargestTile >> level;
 }

@@ -98,15 +98,19 @@ bool TileEdges::AddIris(std::size_t c, const TileLevel::Sheet& sheet,
 }
 
 TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
-                                   const std::array<std::size_t, 4>& corners, float scale) {
+                                   const std::array<std::size_t, 4>& corners,
+                                   const TileColour& scale, bool cut) {
     size_ = TileSize(level);
     straight_.clear();
     arcs_.clear();
     const std::size_t crossings = masks_.crossings.size();
-    for (std::size_t c = 0; c < crossings; ++c) {
+    for (std::size_t c = 0; c < crossings && cut; ++c) {
         if (!AddIris(c, sheet, corners)) return Outcome::kShut;
     }
-    for (std::size_t r = 0; r < masks_.rims.size(); ++r) {
+    // The nearest edge is not all that covers a pixel in which many blades meet.
+    constexpr std::size_t kMostBlades = 4;
+    if (straight_.size() > kMostBlades) return Outcome::kTooMany;
+    for (std::size_t r = 0; r < masks_.rims.size() && cut; ++r) {
         const auto at = [&](std::size_t k) {
             std::array<float, 4> values{};
             for (std::size_t n = 0; n < 4; ++n)
@@ -115,11 +119,13 @@ TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::She
         };
         if (!AddStraight(at)) return Outcome::kShut;
     }
+    if (size_ > kLargestEdgeTile && !(straight_.empty() && arcs_.empty()))
+        return Outcome::kTooLarge;
     constexpr std::size_t kMost = kTileEdges;
     if (straight_.size() > kMost || arcs_.size() > kMost) return Outcome::kTooMany;
     TileCorners light{};
     for (std::size_t n = 0; n < 4; ++n) {
-        for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale * sheet.rgb[3 * corners[n] + c];
+        for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale[c] * sheet.rgb[3 * corners[n] + c];
     }
     if (straight_.empty() && arcs_.empty()) {
         Rescale(light);
@@ -197,8 +203,9 @@ void TileEdges::AddBands(EdgeTile& tile, const TileLevel::Sheet& sheet,
     std::array<float, 3> all{};
     for (std::size_t b = 0; b < bands; ++b) {
         for (const std::size_t n : corners) {
-            const FittedCell& cell = cells_[static_cast<std::size_t>(sheet.cell[n])];
-            const TileColour at = light_.OfBand(b, cell, sheet.at[n][0], sheet.at[n][1]);
+            const FittedCell& cell = cells_[static_cast<std::size_t>(sheet.cell[kTraced / 2][n])];
+            const TileColour at =
+                light_.OfBand(b, cell, sheet.at[kTraced / 2][n][0], sheet.at[kTraced / 2][n][1]);
             for (std::size_t c = 0; c < 3; ++c) rgb[3 * b + c] += at[c];
         }
         for (std::size_t c = 0; c < 3; ++c) {

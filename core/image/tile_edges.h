@@ -27,12 +27,14 @@ class TileEdges {
 
     enum class Outcome {
         kAdded,
-        kShut,     // by a mask
-        kTooMany,  // edges for the kernel
+        kShut,      // by a mask
+        kTooMany,   // edges for the kernel
+        kTooLarge,  // a tile for edges
     };
-    // The tile (x, y) of a level with its corners on one sheet, its light times `scale`.
+    // The tile (x, y) of a level with its corners on one sheet, its light times `scale`; `cut` says
+    // whether a mask may cut it.
     Outcome Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
-                 const std::array<std::size_t, 4>& corners, float scale);
+                 const std::array<std::size_t, 4>& corners, const TileColour& scale, bool cut);
 
   private:
     // Corner values of a condition at one wavelength, as pixels across the edge.

@@ -19,11 +19,12 @@ namespace flare {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using FloatTag = hn::CappedTag<float, kLargestTile>;
+using FloatTag = hn::CappedTag<float, kLargestEdgeTile>;
 using Floats = hn::Vec<FloatTag>;
 
 constexpr int kMostSteps = 8;
 constexpr float kSolved_px = 4e-3F;
+constexpr float kOverlap = 1e-3F;  // of neighbouring parts, in cells
 
 HWY_INLINE Floats Constant(float value) {
     return hn::Set(FloatTag(), value);
@@ -65,7 +66,33 @@ HWY_INLINE Jet JetAt(const CellPolynomial& p, Floats a, Floats b) {
     return jet;
 }
 
-void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
+HWY_INLINE Floats Determinant(const Jet& x, const Jet& y) {
+    return hn::Sub(hn::Mul(x.per_a, y.per_b), hn::Mul(x.per_b, y.per_a));
+}
+
+// Masks and light of one vector of points.
+HWY_INLINE void StoreFacts(const CellFit& cell, int fields, const CellCorners* light, Floats a,
+                           Floats b, Floats det, int n, NodeBlock& block) {
+    const FloatTag tag;
+    hn::Store(det, tag, block.det + n);
+    for (int f = 0; f < fields; ++f) {
+        hn::Store(ValueAt(cell.fields[f], a, b), tag, block.fields[f] + n);
+    }
+    if (light == nullptr) return;
+    const Floats a_pixel = hn::Div(Constant(1.0F), hn::Abs(det));
+    for (std::size_t c = 0; c < static_cast<std::size_t>(light->count); ++c) {
+        const float at = light->at[0][c];
+        const float per_a = light->at[1][c] - at;
+        const float per_b = light->at[2][c] - at;
+        const float twist = light->at[3][c] - light->at[2][c] - per_a;
+        const Floats low = hn::MulAdd(Constant(per_a), a, Constant(at));
+        const Floats slope = hn::MulAdd(Constant(twist), a, Constant(per_b));
+        hn::Store(hn::Mul(a_pixel, hn::MulAdd(slope, b, low)), tag, block.light[c] + n);
+    }
+}
+
+void Solve(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+           NodeBlock& block) {
     const FloatTag tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     // A step may leave the part for a while, but not go astray.
@@ -83,7 +110,7 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
         Floats b = Constant(0.5F * (part.b0 + part.b1));
         Jet x = JetAt(cell.x, a, b);
         Jet y = JetAt(cell.y, a, b);
-        Floats det = hn::Sub(hn::Mul(x.per_a, y.per_b), hn::Mul(x.per_b, y.per_a));
+        Floats det = Determinant(x, y);
         auto solved = hn::FirstN(tag, 0);
         for (int step = 0; step < kMostSteps; ++step) {
             const Floats ex = hn::Sub(px, x.value);
@@ -96,31 +123,42 @@ void Solve(const CellFit& cell, const CellPart& part, NodeBlock& block) {
             b = hn::IfThenElse(solved, b, hn::Min(hn::Max(hn::Add(b, db), lo_b), hi_b));
             x = JetAt(cell.x, a, b);
             y = JetAt(cell.y, a, b);
-            det = hn::Sub(hn::Mul(x.per_a, y.per_b), hn::Mul(x.per_b, y.per_a));
+            det = Determinant(x, y);
             const Floats miss =
                 hn::Max(hn::Abs(hn::Sub(px, x.value)), hn::Abs(hn::Sub(py, y.value)));
             solved = hn::Lt(miss, Constant(kSolved_px));
             if (hn::AllTrue(tag, solved)) break;
         }
-        const auto within =
-            hn::And(hn::And(hn::Ge(a, Constant(part.a0)), hn::Lt(a, Constant(part.a1))),
-                    hn::And(hn::Ge(b, Constant(part.b0)), hn::Lt(b, Constant(part.b1))));
+        const auto within = hn::And(hn::And(hn::Ge(a, Constant(part.a0 - kOverlap)),
+                                            hn::Lt(a, Constant(part.a1 + kOverlap))),
+                                    hn::And(hn::Ge(b, Constant(part.b0 - kOverlap)),
+                                            hn::Lt(b, Constant(part.b1 + kOverlap))));
         hn::Store(a, tag, block.a + n);
         hn::Store(b, tag, block.b + n);
-        hn::Store(det, tag, block.det + n);
         std::uint8_t bits[8] = {};
         hn::StoreMaskBits(tag, hn::And(solved, within), bits);
         std::uint64_t word = 0;
         std::memcpy(&word, bits, sizeof(word));
         block.found |= word << n;
-        for (int f = 0; f < cell.field_count; ++f) {
-            hn::Store(ValueAt(cell.fields[static_cast<std::size_t>(f)], a, b), tag,
-                      block.fields[f] + n);
-        }
+        StoreFacts(cell, fields, light, a, b, det, n, block);
     }
     if (block.count < kTileNodes) {
         const std::uint64_t used = (std::uint64_t{1} << block.count) - 1;
         block.found &= used;
+    }
+}
+
+void Points(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block) {
+    const FloatTag tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    for (int n = 0; n < block.count; n += lanes) {
+        const Floats a = hn::Load(tag, block.a + n);
+        const Floats b = hn::Load(tag, block.b + n);
+        const Jet x = JetAt(cell.x, a, b);
+        const Jet y = JetAt(cell.y, a, b);
+        hn::Store(x.value, tag, block.px + n);
+        hn::Store(y.value, tag, block.py + n);
+        StoreFacts(cell, fields, light, a, b, Determinant(x, y), n, block);
     }
 }
 
@@ -211,7 +249,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
                 for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(rgb[c], RowOf(light[c], j, i));
             }
             for (int c = 0; c < 3; ++c) {
-                hn::StoreU(rgb[c], tag, out.rgb[c] + row * kLargestTile + column);
+                hn::StoreU(rgb[c], tag, out.rgb[c] + row * kLargestEdgeTile + column);
             }
         }
     }
@@ -219,7 +257,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
 
 template <int kSize>
 HWY_INLINE void ExpandSize(const float* corners, int tiles, int row, float* const* planes) {
-    const hn::CappedTag<float, kSize> tag;
+    const hn::CappedTag<float, std::min(kSize, 16)> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     constexpr float kStep = 1.0F / static_cast<float>(kSize);
     const float down = (static_cast<float>(row) + 0.5F) * kStep;
@@ -240,7 +278,11 @@ HWY_INLINE void ExpandSize(const float* corners, int tiles, int row, float* cons
 }
 
 void Expand(const float* corners, int tiles, int size, int row, float* const* planes) {
-    if (size == 16) {
+    if (size == 64) {
+        ExpandSize<64>(corners, tiles, row, planes);
+    } else if (size == 32) {
+        ExpandSize<32>(corners, tiles, row, planes);
+    } else if (size == 16) {
         ExpandSize<16>(corners, tiles, row, planes);
     } else if (size == 8) {
         ExpandSize<8>(corners, tiles, row, planes);

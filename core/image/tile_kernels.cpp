@@ -12,16 +12,30 @@
 namespace flare {
 
 HWY_EXPORT(Solve);
+HWY_EXPORT(Points);
 HWY_EXPORT(Shade);
 HWY_EXPORT(Expand);
 
-void SolveNodes(const CellFit& cell, const CellPart& part, NodeBlock& block) {
-    // The padding repeats the last place.
-    for (int n = block.count; n < kTileNodes; ++n) {
-        block.px[n] = block.px[block.count - 1];
-        block.py[n] = block.py[block.count - 1];
-    }
-    HWY_DYNAMIC_DISPATCH(Solve)(cell, part, block);
+namespace {
+
+// The padding repeats the last point.
+void Pad(float* values, int count) {
+    std::fill(values + count, values + kTileNodes, values[count - 1]);
+}
+
+}  // namespace
+
+void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+                NodeBlock& block) {
+    Pad(block.px, block.count);
+    Pad(block.py, block.count);
+    HWY_DYNAMIC_DISPATCH(Solve)(cell, part, fields, light, block);
+}
+
+void EvaluatePoints(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block) {
+    Pad(block.a, block.count);
+    Pad(block.b, block.count);
+    HWY_DYNAMIC_DISPATCH(Points)(cell, fields, light, block);
 }
 
 void ShadeEdge(const EdgeShade& tile, TilePixels& out) {

@@ -11,11 +11,12 @@
 
 namespace flare {
 
-inline constexpr int kTileNodes = 64;     // places solved in one call, a multiple of any vector
-inline constexpr int kTileFields = 12;    // most mask fields of a ghost
-inline constexpr int kLargestTile = 16;   // pixels along a side
+inline constexpr int kTileNodes = 64;    // places solved in one call, a multiple of any vector
+inline constexpr int kTileFields = 40;   // most mask fields of a ghost
+inline constexpr int kLargestTile = 64;  // pixels along a side
+inline constexpr int kLargestEdgeTile = 16;
 inline constexpr int kTracedInTiles = 3;  // wavelengths
-inline constexpr int kTileEdges = 4;      // most straight edges in a tile, and most arcs
+inline constexpr int kTileEdges = 12;     // most straight edges in a tile, and most arcs
 
 // A polynomial over a cell, 0 <= a, b <= 1: coefficient [4 * power of b + power of a].
 using CellPolynomial = std::array<float, 16>;
@@ -23,26 +24,40 @@ using CellPolynomial = std::array<float, 16>;
 // One cell of a ghost at one traced wavelength: where it lands, in pixels, and its masks.
 struct CellFit {
     CellPolynomial x{}, y{};
-    std::array<CellPolynomial, kTileFields> fields{};
+    const CellPolynomial* fields = nullptr;
     int field_count = 0;
 };
 
-// The part of a cell in which solutions are sought: a0 <= a < a1, b0 <= b < b1.
+// The part of a cell in which solutions are sought, a0 <= a <= a1, b0 <= b <= b1, and a hair more:
+// a point on a shared border is found in both of its parts.
 struct CellPart {
     float a0 = 0.0F, a1 = 1.0F, b0 = 0.0F, b1 = 1.0F;
 };
 
+// Light at a cell's corners (0, 0), (1, 0), (0, 1), (1, 1): `count` numbers at each.
+inline constexpr int kTileLights = 6;
+struct CellCorners {
+    int count = 0;
+    std::array<std::array<float, kTileLights>, 4> at{};
+};
+
 struct NodeBlock {
-    alignas(64) float px[kTileNodes], py[kTileNodes];  // in
-    int count = 0;                                     // in; the rest is padding
-    // Out: the point, the Jacobian d(x, y) / d(a, b), and the masks there.
-    alignas(64) float a[kTileNodes], b[kTileNodes], det[kTileNodes];
+    int count = 0;                                     // in
+    alignas(64) float px[kTileNodes], py[kTileNodes];  // places on the picture
+    alignas(64) float a[kTileNodes], b[kTileNodes];    // in the cell
+    alignas(64) float det[kTileNodes];                 // Jacobian d(x, y) / d(a, b)
+    alignas(64) float light[kTileLights][kTileNodes];  // a pixel: CellCorners over |det|
     alignas(64) float fields[kTileFields][kTileNodes];
     std::uint64_t found = 0;  // bit n: the point lies in the part
 };
 
-// By Newton's method from the part's middle.
-void SolveNodes(const CellFit& cell, const CellPart& part, NodeBlock& block);
+// Finds what lands at (px, py) by Newton's method from the part's middle: a, b, det and, if asked
+// for, the first `fields` masks and the light (null: none) there.
+void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+                NodeBlock& block);
+
+// The same with the points (a, b) given and (px, py) found.
+void EvaluatePoints(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block);
 
 // A mask's edge within a tile, in pixels across the edge: negative inside. Corner values are those
 // at (0, 0), (1, 0), (0, 1), (1, 1).
@@ -56,7 +71,7 @@ struct ArcEdge {
 };
 
 struct EdgeShade {
-    int size = 0;  // pixels along the tile's side
+    int size = 0;  // pixels along the tile's side, at most kLargestEdgeTile
     // Of each traced wavelength, one wavelength after another; at most kTileEdges of either.
     int straight = 0, arcs = 0;
     const StraightEdge* straight_edges = nullptr;
@@ -70,14 +85,14 @@ struct EdgeShade {
     // `light` is then a factor on band_rgb.
 };
 
-// Light per pixel of an edge tile, rows of kLargestTile.
+// Light per pixel of an edge tile, rows of kLargestEdgeTile.
 struct TilePixels {
-    alignas(64) float rgb[3][kLargestTile * kLargestTile];
+    alignas(64) float rgb[3][kLargestEdgeTile * kLargestEdgeTile];
 };
 void ShadeEdge(const EdgeShade& tile, TilePixels& out);
 
-// Adds to one row of the three planes what `tiles` tiles of 16, 8 or 4 pixels hold: `corners` is
-// [tile][corner][channel], the row is the `row`th of the tiles.
+// Adds to one row of the three planes what `tiles` tiles of 64, 32, 16, 8 or 4 pixels hold:
+// `corners` is [tile][corner][channel], the row is the `row`th of the tiles.
 void ExpandTiles(const float* corners, int tiles, int size, int row, float* const* planes);
 
 }  // namespace flare

@@ -1,35 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/image/tile_level.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace flare {
 
-int FloorTo(float value, int size) {
-    constexpr float kFar = 1e6F;
-    const float tile = std::floor(value / static_cast<float>(size));
-    return tile > -kFar ? static_cast<int>(std::min(tile, kFar)) : -static_cast<int>(kFar);
-}
-
 void TileLevel::Start(int tile_size, const TileBox& tile_box) {
     size = tile_size;
     box = tile_box;
-    tile_at.assign(box.count(), -1);
-    node_at.assign(
-        static_cast<std::size_t>(box.width() + 1) * static_cast<std::size_t>(box.height() + 1), -1);
+    for (TileBits* const bits : {&wanted, &live[0], &live[1], &cut, &folded}) bits->Start(box);
+    wanted_nodes.Start({box.x0, box.y0, box.x1 + 1, box.y1 + 1});
+    tile_at.resize(std::max(tile_at.size(), box.count()));
+    node_at.resize(std::max(node_at.size(), static_cast<std::size_t>(box.width() + 1) *
+                                                static_cast<std::size_t>(box.height() + 1)));
     tiles.clear();
     nodes.clear();
 }
 
 void TileLevel::Want(int x, int y) {
+    wanted.Mark(x, y);
     tile_at[Tile(x, y)] = static_cast<std::int32_t>(tiles.size());
     tiles.push_back({x, y});
     for (int corner = 0; corner < 4; ++corner) {
         const int nx = x + corner % 2;
         const int ny = y + corner / 2;
-        std::int32_t& at = node_at[Node(nx, ny)];
-        if (at >= 0) continue;
-        at = static_cast<std::int32_t>(nodes.size());
+        if (wanted_nodes.Has(nx, ny)) continue;
+        wanted_nodes.Mark(nx, ny);
+        node_at[Node(nx, ny)] = static_cast<std::int32_t>(nodes.size());
         nodes.push_back({nx, ny});
     }
 }
@@ -37,43 +35,42 @@ void TileLevel::Want(int x, int y) {
 void TileLevel::MakeRecords(int fields) {
     bad.assign(tiles.size(), 0);
     for (std::size_t s = 0; s < kSheets; ++s) {
-        live[s].assign(tiles.size(), 0);
         lit[s].assign(tiles.size(), 0);
-        truth[s].assign(tiles.size(), 0.0F);
-        flat[s].assign(tiles.size(), 0.0F);
+        sums[s].assign(tiles.size(), Sums());
         Sheet& sheet = sheets[s];
         for (auto& found : sheet.found) found.assign(nodes.size(), 0);
+        for (auto& pupil : sheet.pupil) pupil.resize(nodes.size());
         sheet.rgb.assign(nodes.size() * 3, 0.0F);
         sheet.middle.resize(nodes.size());
         sheet.fields.resize(nodes.size() * kTraced * static_cast<std::size_t>(fields));
-        sheet.cell.resize(nodes.size());
-        sheet.at.resize(nodes.size());
+        for (auto& cell : sheet.cell) cell.resize(nodes.size());
+        for (auto& at : sheet.at) at.resize(nodes.size());
     }
+}
+
+// A parabola's excess over its chords goes with the bulge, whose mean over a tile is 1/3: few
+// points near the middle would say too much. Channels bend differently, as coatings do.
+TileColour TileLevel::Sums::Scale() const {
+    constexpr float kMeanBulge = 1.0F / 3.0F;
+    constexpr float kMost = 0.25F;
+    TileColour scale = {1.0F, 1.0F, 1.0F};
+    if (!(area > 0.0F)) return scale;
+    const float mean = std::clamp(bulge / area, 0.5F * kMeanBulge, 2.0F * kMeanBulge);
+    for (std::size_t c = 0; c < 3; ++c) {
+        const float excess = (truth[c] - flat[c]) / flat[c] * kMeanBulge / mean;
+        if (std::abs(excess) < kMost) scale[c] += excess;
+    }
+    return scale;
 }
 
 TileBox TileLevel::Touched(const PixelBox& b) const {
-    return {std::max(box.x0, FloorTo(b.x0, size)), std::max(box.y0, FloorTo(b.y0, size)),
-            std::min(box.x1, FloorTo(b.x1, size) + 1), std::min(box.y1, FloorTo(b.y1, size) + 1)};
+    return {FloorTo(b.x0, size), FloorTo(b.y0, size), FloorTo(b.x1, size) + 1,
+            FloorTo(b.y1, size) + 1};
 }
 
-void TileLevel::Mark(std::vector<std::uint8_t>& what, const PixelBox& b) const {
-    const TileBox t = Touched(b);
-    for (int y = t.y0; y < t.y1; ++y) {
-        for (int x = t.x0; x < t.x1; ++x) {
-            const std::int32_t tile = tile_at[Tile(x, y)];
-            if (tile >= 0) what[static_cast<std::size_t>(tile)] = 1;
-        }
-    }
-}
-
-bool TileLevel::AnyWanted(const PixelBox& b) const {
-    const TileBox t = Touched(b);
-    for (int y = t.y0; y < t.y1; ++y) {
-        for (int x = t.x0; x < t.x1; ++x) {
-            if (tile_at[Tile(x, y)] >= 0) return true;
-        }
-    }
-    return false;
+TileBox TileLevel::NodesIn(const PixelBox& b) const {
+    return {FloorTo(b.x0, size) + 1, FloorTo(b.y0, size) + 1, FloorTo(b.x1, size) + 1,
+            FloorTo(b.y1, size) + 1};
 }
 
 }  // namespace flare

@@ -12,47 +12,57 @@
 #include <vector>
 
 #include "core/image/cell_fits.h"
+#include "core/image/tile_bits.h"
 #include "core/image/tile_kernels.h"
+#include "core/image/tile_light.h"
 
 namespace flare {
 
 inline constexpr std::size_t kSheets = 2;
 inline constexpr std::size_t kTraced = kTracedInTiles;
 
-struct TileBox {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // tiles x0 ... x1 - 1
-    int width() const { return x1 - x0; }
-    int height() const { return y1 - y0; }
-    std::size_t count() const {
-        return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
-    }
-};
-
 // The tile that holds a place; far away is far away.
-int FloorTo(float value, int size);
+inline int FloorTo(float value, int size) {
+    constexpr float kFar = 1e6F;
+    const float tile = value / static_cast<float>(size);
+    const int whole = static_cast<int>(tile < kFar ? std::max(tile, -kFar) : kFar);
+    return static_cast<float>(whole) > tile ? whole - 1 : whole;
+}
 
 // Maps over the ghost's box say which tiles and nodes are wanted and where their records are.
 struct TileLevel {
     int size = 0;
     TileBox box;
-    std::vector<std::int32_t> tile_at, node_at;  // of the records, -1: not wanted
+    TileBits wanted, wanted_nodes;
+    std::array<TileBits, kSheets> live;          // light of the sheet may fall there
+    TileBits cut;                                // a mask may cut it
+    TileBits folded;                             // not for tiles of this size
+    std::vector<std::int32_t> tile_at, node_at;  // of the records, where wanted
     std::vector<std::array<int, 2>> tiles, nodes;
 
     // Records of tiles.
-    std::vector<std::uint8_t> bad;                        // to be refined
-    std::array<std::vector<std::uint8_t>, kSheets> live;  // cells that are drawn touch it
-    std::array<std::vector<std::uint8_t>, kSheets> lit;   // one of the cells' own points passes
-    // Light of the cells' own points, and what the corners make of it there, of each sheet.
-    std::array<std::vector<float>, kSheets> truth, flat;
+    std::vector<std::uint8_t> bad;                       // to be refined
+    std::array<std::vector<std::uint8_t>, kSheets> lit;  // one of the cells' own points passes
+    // Sums over the cells' own points, of each sheet.
+    struct Sums {
+        float area = 0.0F;
+        TileColour truth{}, flat{};  // their light, and what the corners make of it there
+        float bulge = 0.0F;          // u (1 - u) + v (1 - v), of places in the tile
+        // By how much bilinear light is to be scaled: it is too much where light is convex.
+        TileColour Scale() const;
+    };
+    std::array<std::vector<Sums>, kSheets> sums;
 
     // Records of nodes.
     struct Sheet {
-        std::array<std::vector<std::uint8_t>, kTraced> found;  // solutions
+        std::array<std::vector<std::uint8_t>, kTraced> found;          // solutions
+        std::array<std::vector<std::array<float, 2>>, kTraced> pupil;  // the last, in main cells
         std::vector<float> rgb;          // [node][channel], over all wavelengths
-        std::vector<float> middle;       // light of all bands by the middle wavelength's map
-        std::vector<float> fields;       // [node][traced][field]
-        std::vector<std::int32_t> cell;  // of the middle wavelength
-        std::vector<std::array<float, 2>> at;
+        std::vector<TileColour> middle;  // of all bands by the middle map
+        std::vector<float> fields;       // [node][traced][field], where cut
+        // The cell of the solution and the place in it.
+        std::array<std::vector<std::int32_t>, kTraced> cell;
+        std::array<std::vector<std::array<float, 2>>, kTraced> at;
     };
     std::array<Sheet, kSheets> sheets;
 
@@ -75,11 +85,9 @@ struct TileLevel {
         return {static_cast<std::size_t>(at[0]), static_cast<std::size_t>(at[1]),
                 static_cast<std::size_t>(below[0]), static_cast<std::size_t>(below[1])};
     }
-    // The tiles that a box of pixels touches.
+    // The tiles that a box of pixels touches, and the nodes in it.
     TileBox Touched(const PixelBox& b) const;
-    void Mark(std::vector<std::uint8_t>& what, const PixelBox& b) const;
-    // Is any tile that the box touches wanted?
-    bool AnyWanted(const PixelBox& b) const;
+    TileBox NodesIn(const PixelBox& b) const;
 };
 
 }  // namespace flare

@@ -13,7 +13,6 @@ TileLight::TileLight(const GhostLight& ghost) : ghost_(ghost) {
         for (const double light : band.light) most = std::max(most, std::abs(light));
     }
     if (most > 0.0 && std::isfinite(most)) scale_ = std::exp2(std::floor(std::log2(most)));
-    for (auto& light : light_) light.assign(count, 0.0F);
     std::vector<double> sum(count);
     for (std::size_t k = 0; k <= kTracedInTiles; ++k) {
         std::fill(sum.begin(), sum.end(), 0.0);
@@ -22,13 +21,38 @@ TileLight::TileLight(const GhostLight& ghost) : ghost_(ghost) {
             const double* const from = band.light.data();
             for (std::size_t n = 0; n < count; ++n) sum[n] += w * from[n];
         }
+        light_[k].resize(count);
         for (std::size_t n = 0; n < count; ++n) light_[k][n] = static_cast<float>(sum[n] / scale_);
     }
 }
 
-TileColour TileLight::At(const std::vector<float>& light, const FittedCell& cell, float a,
-                         float b) const {
-    const GhostLight::Cell& from = ghost_.cells[static_cast<std::size_t>(cell.cell)];
+std::array<float, kTileLights> TileLight::Point(Of what, std::size_t k, std::size_t at,
+                                                float area) const {
+    const float* const first = &light_[what == Of::kAll ? kTracedInTiles : k][at];
+    std::array<float, kTileLights> out = {area * first[0], area * first[1], area * first[2]};
+    if (what == Of::kBoth) {
+        for (std::size_t c = 0; c < 3; ++c) out[3 + c] = area * light_[kTracedInTiles][at + c];
+    }
+    return out;
+}
+
+CellCorners TileLight::Corners(Of what, std::size_t k, const FittedCell& cell) const {
+    const GhostLight::Cell& from = From(cell);
+    const MeshGrid& grid = ghost_.surface->mesh().grids[static_cast<std::size_t>(from.place.grid)];
+    const auto area = static_cast<float>(grid.du * grid.dv);
+    const auto m = static_cast<std::size_t>(from.light_cuts);
+    const std::size_t row = 3 * (m + 1);
+    const std::size_t at = from.light_at;
+    CellCorners corners;
+    corners.count = what == Of::kBoth ? 6 : 3;
+    corners.at = {Point(what, k, at, area), Point(what, k, at + 3 * m, area),
+                  Point(what, k, at + m * row, area), Point(what, k, at + m * row + 3 * m, area)};
+    return corners;
+}
+
+std::array<float, kTileLights> TileLight::At(Of what, std::size_t k, const FittedCell& cell,
+                                             float a, float b) const {
+    const GhostLight::Cell& from = From(cell);
     const int m = from.light_cuts;
     const float fa = std::clamp(a, 0.0F, 1.0F) * static_cast<float>(m);
     const float fb = std::clamp(b, 0.0F, 1.0F) * static_cast<float>(m);
@@ -37,16 +61,20 @@ TileColour TileLight::At(const std::vector<float>& light, const FittedCell& cell
     const float u = fa - static_cast<float>(ia);
     const float v = fb - static_cast<float>(ib);
     const auto row = static_cast<std::size_t>(m + 1) * 3;
-    const float* const at = &light[from.light_at + static_cast<std::size_t>(ib) * row +
-                                   static_cast<std::size_t>(ia) * 3];
+    const std::size_t at =
+        from.light_at + static_cast<std::size_t>(ib) * row + static_cast<std::size_t>(ia) * 3;
     const MeshGrid& grid = ghost_.surface->mesh().grids[static_cast<std::size_t>(from.place.grid)];
     const auto area = static_cast<float>(grid.du * grid.dv);
-    TileColour rgb{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        rgb[c] = area * ((1.0F - v) * ((1.0F - u) * at[c] + u * at[c + 3]) +
-                         v * ((1.0F - u) * at[c + row] + u * at[c + row + 3]));
+    const std::array<float, kTileLights> p00 = Point(what, k, at, area);
+    const std::array<float, kTileLights> p10 = Point(what, k, at + 3, area);
+    const std::array<float, kTileLights> p01 = Point(what, k, at + row, area);
+    const std::array<float, kTileLights> p11 = Point(what, k, at + row + 3, area);
+    std::array<float, kTileLights> out{};
+    for (std::size_t c = 0; c < kTileLights; ++c) {
+        out[c] = (1.0F - v) * ((1.0F - u) * p00[c] + u * p10[c]) +
+                 v * ((1.0F - u) * p01[c] + u * p11[c]);
     }
-    return rgb;
+    return out;
 }
 
 TileColour TileLight::OfBand(std::size_t band, const FittedCell& cell, float a, float b) const {

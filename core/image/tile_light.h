@@ -25,19 +25,26 @@ class TileLight {
     // What a float of 1 stands for.
     double scale() const { return scale_; }
 
-    // At a point of a cell, for each unit of the cell's own coordinates: of a traced wavelength, of
-    // all bands together, and of one band (by the nearest point of the cell's lattice, and not for
-    // each unit: only ratios between bands count).
-    TileColour OfTraced(std::size_t k, const FittedCell& cell, float a, float b) const {
-        return At(light_[k], cell, a, b);
-    }
-    TileColour OfAll(const FittedCell& cell, float a, float b) const {
-        return At(light_[kTracedInTiles], cell, a, b);
-    }
+    // Does the light go bilinearly from corner to corner of the cell?
+    bool Even(const FittedCell& cell) const { return From(cell).light_cuts == 1; }
+    // What is asked for at a point, for each unit of the cell's own coordinates: red, green and
+    // blue of traced wavelength k, of all bands together, or both after each other.
+    enum class Of { kTraced, kAll, kBoth };
+    // At the cell's corners.
+    CellCorners Corners(Of what, std::size_t k, const FittedCell& cell) const;
+    // At a point, of any cell.
+    std::array<float, kTileLights> At(Of what, std::size_t k, const FittedCell& cell, float a,
+                                      float b) const;
+    // Of one band at a point, by the nearest point of the cell's lattice, and not for each unit:
+    // only ratios between bands count.
     TileColour OfBand(std::size_t band, const FittedCell& cell, float a, float b) const;
 
   private:
-    TileColour At(const std::vector<float>& light, const FittedCell& cell, float a, float b) const;
+    const GhostLight::Cell& From(const FittedCell& cell) const {
+        return ghost_.cells[static_cast<std::size_t>(cell.cell)];
+    }
+    // A point of the cell's lattice, by its place among all.
+    std::array<float, kTileLights> Point(Of what, std::size_t k, std::size_t at, float area) const;
 
     const GhostLight& ghost_;
     double scale_ = 1.0;

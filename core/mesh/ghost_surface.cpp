@@ -76,9 +76,10 @@ void NetFromJets(const std::array<std::array<double, 4>, 4>& jets, BezierNet& ne
 }
 
 // Corner values only: the bilinear surface, written with its own slopes.
-void FillBilinear(std::array<std::array<double, 4>, 4>& jets) {
-    const double f00 = jets[0][0], f10 = jets[1][0], f01 = jets[2][0], f11 = jets[3][0];
-    const double twist = f11 - f10 - f01 + f00;
+template <class Real>
+void FillBilinear(std::array<std::array<Real, 4>, 4>& jets) {
+    const Real f00 = jets[0][0], f10 = jets[1][0], f01 = jets[2][0], f11 = jets[3][0];
+    const Real twist = f11 - f10 - f01 + f00;
     jets[0] = {f00, f10 - f00, f01 - f00, twist};
     jets[1] = {f10, f10 - f00, f11 - f10, twist};
     jets[2] = {f01, f11 - f01, f01 - f00, twist};
@@ -256,6 +257,22 @@ bool GhostSurface::FarOutside(const MeshGrid& grid, std::span<const std::size_t>
         if (outside) return true;
     }
     return false;
+}
+
+void GhostSurface::Jets(const CellPlace& cell, std::size_t node, std::size_t field,
+                        CellJets& out) const {
+    const MeshGrid& grid = mesh_->grids[static_cast<std::size_t>(cell.grid)];
+    const auto fields = static_cast<std::size_t>(mesh_->field_count());
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const std::size_t vertex = grid.Vertex(cell.i + static_cast<int>(corner % 2),
+                                               cell.j + static_cast<int>(corner / 2));
+        out[corner][0] = static_cast<float>(Value(grid.nodes[node], vertex, field));
+        if (!grid.smooth) continue;
+        const std::array<float, 3>& slope =
+            slopes_[static_cast<std::size_t>(cell.grid)][node][vertex * fields + field];
+        std::copy(slope.begin(), slope.end(), out[corner].begin() + 1);
+    }
+    if (!grid.smooth) FillBilinear(out);
 }
 
 void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& node_weights,

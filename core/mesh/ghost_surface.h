@@ -26,6 +26,9 @@ struct CellSurface {
     std::vector<double> jets;  // scratch of Evaluate
 };
 
+// One field at the corners (0, 0), (1, 0), (0, 1), (1, 1) of a cell: value, du, dv, duv per cell.
+using CellJets = std::array<std::array<float, 4>, 4>;
+
 struct CellPlace {
     int grid = 0, i = 0, j = 0;
 };
@@ -56,6 +59,9 @@ class GhostSurface {
     // are left as they are.
     void Evaluate(const CellPlace& cell, const std::vector<double>& node_weights, int first,
                   int end, CellSurface& out) const;
+
+    // A field of the cell at a traced wavelength, in single precision; not for triangles.
+    void Jets(const CellPlace& cell, std::size_t node, std::size_t field, CellJets& out) const;
 
   private:
     // [node][vertex * fields + field]: du, dv, duv per cell.

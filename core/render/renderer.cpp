@@ -384,19 +384,25 @@ class Job {
         const Vec2d pitch = PixelPitch(request_);
         const double scale = SceneFactor() / (pitch.x * pitch.y);
 
-        if (tile_picture_) tile_picture_->Finish(context_.threads);
-        const int planes = picture_ ? picture_->channel_count() : 3;
-        image.planes.resize(static_cast<std::size_t>(planes) * 2);
-        context_.threads.For(planes, [&](int p) {
+        const int channels = picture_ ? picture_->channel_count() : 3;
+        image.planes.resize(static_cast<std::size_t>(channels) * 2);
+        std::vector<std::vector<float>*> planes;
+        for (std::size_t p = 0; p < image.planes.size(); ++p) {
             static const char* const kRgb[] = {"R", "G", "B"};
-            const auto n = static_cast<std::size_t>(p);
-            const std::string name = spectral_ ? SpectralName(request_.wavelengths_nm[n]) : kRgb[p];
-            ImagePlane& root = image.planes[n];
-            root.name = name;
-            root.values =
-                tile_picture_ ? tile_picture_->Channel(p, scale) : picture_->Channel(p, scale);
-            image.planes[n + static_cast<std::size_t>(planes)] = {"ghosts." + name, root.values};
-        });
+            const std::size_t n = p % static_cast<std::size_t>(channels);
+            image.planes[p].name = spectral_ ? SpectralName(request_.wavelengths_nm[n]) : kRgb[n];
+            if (p != n) image.planes[p].name = "ghosts." + image.planes[p].name;
+            planes.push_back(&image.planes[p].values);
+        }
+        if (tile_picture_) {
+            tile_picture_->Resolve(scale, planes, context_.threads);
+        } else {
+            context_.threads.For(channels, [&](int c) {
+                const auto n = static_cast<std::size_t>(c);
+                *planes[n] = picture_->Channel(c, scale);
+                *planes[n + static_cast<std::size_t>(channels)] = *planes[n];
+            });
+        }
         report_.work.resolve_ms = context_.now_ms() - t0;
         return image;
     }

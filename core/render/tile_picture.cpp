@@ -10,7 +10,7 @@
 namespace flare {
 namespace {
 
-constexpr int kBlock = 64;  // pixels a side; a strip is a row of blocks
+constexpr int kBlock = kLargestTile;  // pixels a side; a strip is a row of blocks
 constexpr int kFinest = TileSize(kTileLevels - 1);
 
 int FloorDiv(int value, int by) {
@@ -160,7 +160,7 @@ void TilePicture::DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& 
         for (std::size_t c = 0; c < 3; ++c) {
             for (int row = 0; row < size; ++row) {
                 float* const to = Row(c, y + row) + x;
-                const float* const from = pixels.rgb[c] + row * kLargestTile;
+                const float* const from = pixels.rgb[c] + row * kLargestEdgeTile;
                 for (int i = 0; i < size; ++i) to[i] += from[i];
             }
         }
@@ -178,18 +178,27 @@ void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const Pict
     const int first_x = FloorDiv(tiles.left_x * kFinest, kBlock) * kBlock;
     const int end_x = (tiles.left_x + tiles.left_width) * kFinest;
     for (int x = first_x; x < end_x; x += kBlock) {
-        bool any = false;
-        for (int ty = first_y / kFinest; ty < end_y / kFinest && !any; ++ty) {
-            for (int tx = x / kFinest; tx < (x + kBlock) / kFinest && !any; ++tx)
-                any = tiles.Left(tx, ty);
+        // What is left within the block; the same whatever the window.
+        PixelWindow left{x + kBlock, strip.y1, 0, 0};
+        int right = x;
+        int bottom = strip.y0;
+        for (int ty = first_y / kFinest; ty < end_y / kFinest; ++ty) {
+            for (int tx = x / kFinest; tx < (x + kBlock) / kFinest; ++tx) {
+                if (!tiles.Left(tx, ty)) continue;
+                left.x = std::min(left.x, tx * kFinest);
+                left.y = std::min(left.y, ty * kFinest);
+                right = std::max(right, (tx + 1) * kFinest);
+                bottom = std::max(bottom, (ty + 1) * kFinest);
+            }
         }
-        if (any)
-            DrawBlock(ghost, {x, strip.y0, kBlock, strip.y1 - strip.y0}, iris, map, tolerance,
-                      strip, drawn);
+        if (right == x) continue;
+        left.width = right - left.x;
+        left.height = bottom - left.y;
+        DrawBlock(ghost, left, iris, map, tolerance, strip, drawn);
     }
 }
 
-// A block is drawn the same whatever the window.
+// The tiles that are left in a part of a block.
 void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, const Iris& iris,
                             const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
                             Drawn& drawn) {
@@ -235,54 +244,56 @@ void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, con
     drawn.fragments += raster.fragments();
 }
 
-void TilePicture::Finish(ThreadPool& threads) {
-    const int strips = (padded_.height + kBlock - 1) / kBlock;
+void TilePicture::Resolve(double scale, std::span<std::vector<float>* const> planes,
+                          ThreadPool& threads) const {
+    threads.For(static_cast<int>(planes.size()),
+                [&](int p) { planes[static_cast<std::size_t>(p)]->resize(window_.pixels()); });
+    const int strips = (window_.height + kBlock - 1) / kBlock;
     threads.For(strips, [&](int s) {
-        const int y0 = padded_.y + s * kBlock;
-        const int y1 = std::min(y0 + kBlock, padded_.y + padded_.height);
-        for (int y = y0; y < y1; ++y) {
-            float* const rows[3] = {Row(0, y), Row(1, y), Row(2, y)};
-            for (int l = 0; l < kTileLevels; ++l) {
-                const Plane& plane = planes_[static_cast<std::size_t>(l)];
-                const int size = TileSize(l);
-                const int tile = FloorDiv(y, size);
-                ExpandTiles(&plane.corners[static_cast<std::size_t>(tile - plane.y0) *
-                                           static_cast<std::size_t>(plane.width) * 12],
-                            plane.width, size, y - tile * size, rows);
-            }
-        }
+        const int end = std::min((s + 1) * kBlock, window_.height);
+        for (int y = s * kBlock; y < end; ++y) ResolveRow(y, scale * unit_, planes);
     });
 }
 
-std::vector<float> TilePicture::Channel(int index, double scale) const {
+// Row y of the window.
+void TilePicture::ResolveRow(int row, double factor,
+                             std::span<std::vector<float>* const> planes) const {
     constexpr float kMost = std::numeric_limits<float>::max();
-    const std::vector<float>& plane = pixels_[static_cast<std::size_t>(index)];
-    std::vector<float> values(window_.pixels());
-    const double factor = scale * unit_;
+    thread_local std::array<std::vector<float>, 3> lines;
+    const int y = row + window_.y;
+    std::array<float*, 3> line{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const float* const from = pixels_[c].data() + static_cast<std::size_t>(y - padded_.y) *
+                                                          static_cast<std::size_t>(padded_.width);
+        lines[c].assign(from, from + padded_.width);
+        line[c] = lines[c].data();
+    }
+    for (int l = 0; l < kTileLevels; ++l) {
+        const Plane& plane = planes_[static_cast<std::size_t>(l)];
+        const int size = TileSize(l);
+        const int tile = FloorDiv(y, size);
+        ExpandTiles(&plane.corners[static_cast<std::size_t>(tile - plane.y0) *
+                                   static_cast<std::size_t>(plane.width) * 12],
+                    plane.width, size, y - tile * size, line.data());
+    }
     // Floats will do unless the factor itself is beyond their range.
     const bool tame = factor > 1e-30 && factor < 1e30;
     const auto tame_factor = static_cast<float>(tame ? factor : 1.0);
-    for (int y = 0; y < window_.height; ++y) {
-        const float* const from = plane.data() +
-                                  static_cast<std::size_t>(y + window_.y - padded_.y) *
-                                      static_cast<std::size_t>(padded_.width) +
-                                  static_cast<std::size_t>(window_.x - padded_.x);
-        float* const to =
-            values.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(window_.width);
+    const auto width = static_cast<std::size_t>(window_.width);
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+        const float* const from = line[p % 3] + (window_.x - padded_.x);
+        float* const to = planes[p]->data() + static_cast<std::size_t>(row) * width;
         if (tame) {
-            for (int x = 0; x < window_.width; ++x) {
-                const float value = from[x] * tame_factor;
-                to[x] = std::max(-kMost, std::min(kMost, value));
-            }
+            for (std::size_t x = 0; x < width; ++x)
+                to[x] = std::max(-kMost, std::min(kMost, from[x] * tame_factor));
             continue;
         }
-        for (int x = 0; x < window_.width; ++x) {
+        for (std::size_t x = 0; x < width; ++x) {
             const double value = static_cast<double>(from[x]) * factor;
             to[x] = static_cast<float>(
                 std::clamp(value, -static_cast<double>(kMost), static_cast<double>(kMost)));
         }
     }
-    return values;
 }
 
 }  // namespace flare

@@ -118,7 +118,8 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
         TilePicture tiles(kFrame, kFrame.width, kFrame.height, 2.0);
         ASSERT_EQ(tiles.padded(), kAround);
         tiles.Draw(ghosts, *iris_, tile_map_, settings_.walk, threads_, {});
-        tiles.Finish(threads_);
+        std::array<std::vector<float>, 3> drawn;
+        tiles.Resolve(1.0, std::array{&drawn[0], &drawn[1], &drawn[2]}, threads_);
         Picture polygons(kFrame, 0);
         // The same cells, seen from the frame's corner.
         std::vector<GhostLight> lights = {ghosts[0].light};
@@ -128,7 +129,7 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
         }
         polygons.Draw(lights, *iris_, map_, settings_.walk, threads_, {});
         for (int c = 0; c < 3; ++c) {
-            const std::vector<float> a = tiles.Channel(c, 1.0);
+            const std::vector<float>& a = drawn[static_cast<std::size_t>(c)];
             const std::vector<float> b = polygons.Channel(c, 1.0);
             for (std::size_t i = 0; i < a.size(); ++i) {
                 const double truth = static_cast<double>(b[i]);

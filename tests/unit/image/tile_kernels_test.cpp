@@ -28,7 +28,8 @@ CellFit BentCell() {
     cell.y = {50.0F, -4.0F, 1.0F, 0.2F, -30.0F, 1.5F, 0.0F, 0.0F,
               -2.0F, 0.0F,  0.4F, 0.0F, 0.5F,   0.0F, 0.0F, 0.1F};
     cell.field_count = 1;
-    cell.fields[0] = {1.0F, 2.0F, 0.0F, 0.0F, 3.0F};
+    static const CellPolynomial kField = {1.0F, 2.0F, 0.0F, 0.0F, 3.0F};
+    cell.fields = &kField;
     return cell;
 }
 
@@ -43,7 +44,7 @@ TEST(SolveNodes, FindsThePointsThatLandOnTheNodes) {
         block.py[n] = At(cell.y, a.back(), b.back());
     }
     block.count = 50;
-    SolveNodes(cell, {}, block);
+    SolveNodes(cell, {}, cell.field_count, nullptr, block);
     int found = 0;
     for (std::size_t n = 0; n < 50; ++n) {
         const bool within = a[n] >= 0.0F && a[n] < 1.0F && b[n] >= 0.0F && b[n] < 1.0F;
@@ -70,9 +71,9 @@ TEST(SolveNodes, LeavesOutWhatLandsInAnotherPart) {
     block.px[0] = At(cell.x, 0.3F, 0.4F);
     block.py[0] = At(cell.y, 0.3F, 0.4F);
     block.count = 1;
-    SolveNodes(cell, {0.0F, 0.5F, 0.0F, 0.5F}, block);
+    SolveNodes(cell, {0.0F, 0.5F, 0.0F, 0.5F}, 0, nullptr, block);
     EXPECT_EQ(block.found, 1U);
-    SolveNodes(cell, {0.5F, 1.0F, 0.0F, 0.5F}, block);
+    SolveNodes(cell, {0.5F, 1.0F, 0.0F, 0.5F}, 0, nullptr, block);
     EXPECT_EQ(block.found, 0U);
 }
 
@@ -100,7 +101,7 @@ StraightEdge Line(float nx, float ny, float offset, int size) {
 double SumOf(const TilePixels& pixels, int channel, int size) {
     double sum = 0.0;
     for (int y = 0; y < size; ++y) {
-        for (int x = 0; x < size; ++x) sum += pixels.rgb[channel][y * kLargestTile + x];
+        for (int x = 0; x < size; ++x) sum += pixels.rgb[channel][y * kLargestEdgeTile + x];
     }
     return sum;
 }
