@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/image/net_shape.h"
+
 namespace flare {
 namespace {
 
@@ -28,38 +30,6 @@ CellPolynomial PolynomialOf(const CellJets& jets) {
         for (std::size_t q = 0; q < 4; ++q) out[4 * q + p] = column[q];
     }
     return out;
-}
-
-// The range of the Bezier net's control values, within which the surface lies.
-std::array<float, 2> RangeOf(const CellJets& jets) {
-    float lo = 1e30F;
-    float hi = -1e30F;
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-        const auto& [f, du, dv, duv] = jets[corner];
-        const float u = corner % 2 == 0 ? du / 3.0F : -du / 3.0F;
-        const float v = corner / 2 == 0 ? dv / 3.0F : -dv / 3.0F;
-        const float uv = corner % 2 == corner / 2 ? duv / 9.0F : -duv / 9.0F;
-        lo = std::min({lo, f, f + u, f + v, f + u + v + uv});
-        hi = std::max({hi, f, f + u, f + v, f + u + v + uv});
-    }
-    return {lo, hi};
-}
-
-// x and y turned and shifted, jet by jet.
-void MapJets(CellJets& x, CellJets& y, const Vec2d& per_x, const Vec2d& per_y,
-             const Vec2d& offset) {
-    const auto xx = static_cast<float>(per_x.x), xy = static_cast<float>(per_x.y);
-    const auto yx = static_cast<float>(per_y.x), yy = static_cast<float>(per_y.y);
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-        for (std::size_t d = 0; d < 4; ++d) {
-            const float at_x = x[corner][d];
-            const float at_y = y[corner][d];
-            x[corner][d] = xx * at_x + yx * at_y;
-            y[corner][d] = xy * at_x + yy * at_y;
-        }
-        x[corner][0] += static_cast<float>(offset.x);
-        y[corner][0] += static_cast<float>(offset.y);
-    }
 }
 
 // Surveys the fitted cells: a lattice of points over each tells of its parts.
@@ -301,8 +271,8 @@ FittedGhost::FittedGhost(const GhostLight& ghost, const Iris& iris, const Pictur
     const GhostSurface& surface = *ghost.surface;
     const GhostMesh& mesh = surface.mesh();
     cells_.reserve(ghost.cells.size());
-    fields_.resize(ghost.cells.size() * kTracedInTiles *
-                   static_cast<std::size_t>(ghost.masks.count()));
+    fields_ = std::make_unique_for_overwrite<CellPolynomial[]>(
+        ghost.cells.size() * kTracedInTiles * static_cast<std::size_t>(ghost.masks.count()));
     CellSurvey survey(ghost.masks, iris, parts_);
     CellJets x, y;
     for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
@@ -324,12 +294,13 @@ FittedGhost::FittedGhost(const GhostLight& ghost, const Iris& iris, const Pictur
             CellFit& fit = cell.fits[k];
             surface.Jets(from.place, k, 0, x);
             surface.Jets(from.place, k, 1, y);
-            MapJets(x, y, map.px_per_x, map.px_per_y, map.offset_px);
+            MapNets(x, y, map.px_per_x, map.px_per_y, map.offset_px);
             fit.x = PolynomialOf(x);
             fit.y = PolynomialOf(y);
-            const auto [x0, x1] = RangeOf(x);
-            const auto [y0, y1] = RangeOf(y);
-            cell.boxes[k] = {x0, y0, x1, y1};
+            const NetRange rx = RangeOf(x);
+            const NetRange ry = RangeOf(y);
+            cell.boxes[k] = {static_cast<float>(rx.lo), static_cast<float>(ry.lo),
+                             static_cast<float>(rx.hi), static_cast<float>(ry.hi)};
             cell.boxes[k].Clip(cell.box);
         }
         if (!cell.open) NeedMasks(cell);
@@ -353,7 +324,7 @@ void FittedGhost::FitMasks(FittedCell& cell) {
             const auto f = static_cast<std::size_t>(mesh.stop_field(crossing));
             surface.Jets(place, k, f, x);
             surface.Jets(place, k, f + 1, y);
-            MapJets(x, y, map_.stop_per_x, map_.stop_per_y, {0.0, 0.0});
+            MapNets(x, y, map_.stop_per_x, map_.stop_per_y, {0.0, 0.0});
             *field++ = PolynomialOf(x);
             *field++ = PolynomialOf(y);
         }

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -74,7 +75,7 @@ class FittedGhost {
     const PictureMap& map_;
     std::vector<FittedCell> cells_;
     std::vector<FittedPart> parts_;
-    std::vector<CellPolynomial> fields_;  // [cell][wavelength][field], to which the fits point
+    std::unique_ptr<CellPolynomial[]> fields_;  // [cell][wavelength][field]: the fits point to it
 };
 
 // The masks that cut any of the cells, which are all that the iris lets pass.

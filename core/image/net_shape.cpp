@@ -27,6 +27,36 @@ double FarthestFromOrigin(const NetRange& x, const NetRange& y) {
     return std::sqrt(dx * dx + dy * dy);
 }
 
+NetRange RangeOf(const CellJets& jets) {
+    float lo = 1e30F;
+    float hi = -1e30F;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        const auto& [f, du, dv, duv] = jets[corner];
+        const float u = corner % 2 == 0 ? du / 3.0F : -du / 3.0F;
+        const float v = corner / 2 == 0 ? dv / 3.0F : -dv / 3.0F;
+        const float uv = corner % 2 == corner / 2 ? duv / 9.0F : -duv / 9.0F;
+        lo = std::min({lo, f, f + u, f + v, f + u + v + uv});
+        hi = std::max({hi, f, f + u, f + v, f + u + v + uv});
+    }
+    return {static_cast<double>(lo), static_cast<double>(hi)};
+}
+
+void MapNets(CellJets& x, CellJets& y, const Vec2d& per_x, const Vec2d& per_y,
+             const Vec2d& offset) {
+    const auto xx = static_cast<float>(per_x.x), xy = static_cast<float>(per_x.y);
+    const auto yx = static_cast<float>(per_y.x), yy = static_cast<float>(per_y.y);
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+        for (std::size_t d = 0; d < 4; ++d) {
+            const float at_x = x[corner][d];
+            const float at_y = y[corner][d];
+            x[corner][d] = xx * at_x + yx * at_y;
+            y[corner][d] = xy * at_x + yy * at_y;
+        }
+        x[corner][0] += static_cast<float>(offset.x);
+        y[corner][0] += static_cast<float>(offset.y);
+    }
+}
+
 void MapNets(BezierNet& x, BezierNet& y, const Vec2d& per_x, const Vec2d& per_y,
              const Vec2d& offset) {
     for (std::size_t i = 0; i < 16; ++i) {

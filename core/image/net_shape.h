@@ -13,6 +13,8 @@ struct NetRange {
     double lo = 0.0, hi = 0.0;
 };
 NetRange RangeOf(const BezierNet& net);
+// Of the net that has these values and slopes at its corners.
+NetRange RangeOf(const CellJets& jets);
 
 // Distance of the box of (x, y) values from the origin: its nearest and its farthest point.
 double NearestToOrigin(const NetRange& x, const NetRange& y);
@@ -21,6 +23,7 @@ double FarthestFromOrigin(const NetRange& x, const NetRange& y);
 // (x, y) = offset + per_x * x + per_y * y, in place.
 void MapNets(BezierNet& x, BezierNet& y, const Vec2d& per_x, const Vec2d& per_y,
              const Vec2d& offset);
+void MapNets(CellJets& x, CellJets& y, const Vec2d& per_x, const Vec2d& per_y, const Vec2d& offset);
 
 // Largest second difference and largest length of the net's lines along u and along v.
 struct NetShape {

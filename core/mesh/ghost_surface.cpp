@@ -75,6 +75,12 @@ void NetFromJets(const std::array<std::array<double, 4>, 4>& jets, BezierNet& ne
     }
 }
 
+// The parallelogram rule: the opposite corner mirrored in the middle of the other two.
+template <class Real>
+void FillDeadCorner(std::size_t dead, std::array<std::array<Real, 4>, 4>& jets) {
+    jets[dead][0] = jets[dead ^ 1U][0] + jets[dead ^ 2U][0] - jets[dead ^ 3U][0];
+}
+
 // Corner values only: the bilinear surface, written with its own slopes.
 template <class Real>
 void FillBilinear(std::array<std::array<Real, 4>, 4>& jets) {
@@ -272,7 +278,10 @@ void GhostSurface::Jets(const CellPlace& cell, std::size_t node, std::size_t fie
             slopes_[static_cast<std::size_t>(cell.grid)][node][vertex * fields + field];
         std::copy(slope.begin(), slope.end(), out[corner].begin() + 1);
     }
-    if (!grid.smooth) FillBilinear(out);
+    if (grid.smooth) return;
+    if (UseOf(cell) == CellUse::kTriangle)
+        FillDeadCorner(static_cast<std::size_t>(DeadCorner(cell)), out);
+    FillBilinear(out);
 }
 
 void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& node_weights,
@@ -312,11 +321,7 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
                 jets[corner][d] = out.jets[(corner * 4 + d) * count + f];
         }
         if (!grid.smooth) {
-            if (dead >= 0) {
-                // The parallelogram rule: opposite corner mirrored in the middle of the other two.
-                const auto d = static_cast<std::size_t>(dead);
-                jets[d][0] = jets[d ^ 1U][0] + jets[d ^ 2U][0] - jets[d ^ 3U][0];
-            }
+            if (dead >= 0) FillDeadCorner(static_cast<std::size_t>(dead), jets);
             FillBilinear(jets);
         }
         NetFromJets(jets, out.nets[from + f]);

@@ -60,7 +60,7 @@ class GhostSurface {
     void Evaluate(const CellPlace& cell, const std::vector<double>& node_weights, int first,
                   int end, CellSurface& out) const;
 
-    // A field of the cell at a traced wavelength, in single precision; not for triangles.
+    // A field of the cell at a traced wavelength, in single precision.
     void Jets(const CellPlace& cell, std::size_t node, std::size_t field, CellJets& out) const;
 
   private:
