@@ -46,12 +46,23 @@ class CellSurvey {
         bool folds = false;
         for (std::size_t k = 0; k < kTracedInTiles; ++k) folds = SetStarts(cell, k) || folds;
         cell.parts_at = out_.size();
-        AddParts(cell, {}, folds ? kManyParts : kFewParts, 0);
+        AddParts(cell, {}, folds ? kManyParts : PartsFor(cell), 0);
         cell.part_count = out_.size() - cell.parts_at;
     }
 
   private:
-    static constexpr int kFewParts = 3, kManyParts = 8;
+    static constexpr int kManyParts = 8;
+
+    // A small cell is one part: about a tile.
+    static int PartsFor(const FittedCell& cell) {
+        constexpr float kPart_px = 32.0F;
+        constexpr int kMost = 3;
+        float extent = 0.0F;
+        for (const PixelBox& box : cell.boxes)
+            extent = std::max({extent, box.x1 - box.x0, box.y1 - box.y0});
+        return std::clamp(static_cast<int>(std::ceil(std::min(extent, 1e4F) / kPart_px)), 1, kMost);
+    }
+
     // Parts that fold are cut further until they are as narrow as this.
     static constexpr float kNarrow_px = 8.0F;
     static constexpr int kMostDepth = 4;
