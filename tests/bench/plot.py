@@ -31,10 +31,10 @@ def ticks(low, high, logarithmic):
 
 
 class Axis:
-    def __init__(self, values, start, end, logarithmic):
+    def __init__(self, values, start, end, logarithmic, from_zero=False):
         low, high = min(values), max(values)
-        if not logarithmic:
-            low = min(low, 0.0) if low < 0.4 * high else low
+        if from_zero and not logarithmic:
+            low = min(low, 0.0)
         if low == high:
             high = low + (abs(low) or 1.0)
         self.low, self.high, self.start, self.end = low, high, start, end
@@ -54,7 +54,7 @@ def draw(lines, x_name, y_name, title, logarithmic):
     """`lines` is {name: [(x, y), ...]}; the SVG's text."""
     points = [p for line in lines.values() for p in line]
     x = Axis([p[0] for p in points], LEFT, WIDTH - RIGHT, logarithmic)
-    y = Axis([p[1] for p in points], HEIGHT - BOTTOM, TOP, logarithmic)
+    y = Axis([p[1] for p in points], HEIGHT - BOTTOM, TOP, logarithmic, from_zero=True)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
            'font-family="sans-serif" font-size="12">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
