@@ -86,6 +86,8 @@ class Job {
                               brightest > 0.0 ? brightest : 1.0);
     }
 
+    void AddSetup(double ms) { report_.work.setup_ms += ms; }
+
     Result<Rendering> Run() {
         SetFacts();
         // Lights are placed first: a bad one is an error before any work is done.
@@ -428,7 +430,10 @@ class Job {
 
 Result<Rendering> Render(const FlareRequest& request, const RenderContext& context) {
     if (const std::optional<Error> error = CheckRequest(request)) return *error;
-    return Job(request, context).Run();
+    const double before = context.now_ms();
+    Job job(request, context);
+    job.AddSetup(context.now_ms() - before);
+    return job.Run();
 }
 
 }  // namespace flare

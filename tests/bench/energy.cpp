@@ -7,6 +7,7 @@
 //   energy [OPTION VALUE ...]
 //     --lens NAME --field-deg A --f-number F --distance-m D --width N --height N
 //     --spectral 1 (the d line alone, no colour, no tiles) --ghosts N (list the N worst)
+//     --each 0 (the whole alone, not ghost by ghost)
 //
 // Prints rows of a Markdown table, all numbers in per cent; with `--head 1` its head as well. Of
 // ghosts it tells the worst error of its own light among those with a thousandth of the frame's or
@@ -39,7 +40,7 @@ struct Options {
     testing::Motion scene;
     std::string lens = "tronnier-double-gauss-50mm-f2";
     double distance_m = 0.0;  // 0: infinity
-    int spectral = 0, head = 0, ghosts = 0;
+    int spectral = 0, head = 0, ghosts = 0, each = 1;
 };
 
 bool Parse(int argc, char** argv, Options& options) {
@@ -47,11 +48,9 @@ bool Parse(int argc, char** argv, Options& options) {
     const std::map<std::string, double*> numbers{{"--field-deg", &scene.field_deg},
                                                  {"--f-number", &scene.f_number},
                                                  {"--distance-m", &options.distance_m}};
-    const std::map<std::string, int*> counts{{"--width", &scene.width},
-                                             {"--height", &scene.height},
-                                             {"--spectral", &options.spectral},
-                                             {"--head", &options.head},
-                                             {"--ghosts", &options.ghosts}};
+    const std::map<std::string, int*> counts{
+        {"--width", &scene.width}, {"--height", &scene.height}, {"--spectral", &options.spectral},
+        {"--head", &options.head}, {"--each", &options.each},   {"--ghosts", &options.ghosts}};
     if (argc % 2 == 0) return false;
     for (int n = 1; n + 1 < argc; n += 2) {
         const std::string name = argv[n];
@@ -92,12 +91,12 @@ class Energies {
                 "| lens | f-number | preset | energy | culled | beyond | energy, all drawn "
                 "| worst ghost | most of the whole |\n|---|---|---|---|---|---|---|---|---|\n");
         }
-        const Shot truth = Take(QualityPreset::kReference, CullingRule::kNone, true);
+        const Shot truth = Take(QualityPreset::kReference, CullingRule::kNone, options_.each != 0);
         for (const auto& [preset, name] : {std::pair(QualityPreset::kDraft, "draft"),
                                            std::pair(QualityPreset::kPreview, "preview"),
                                            std::pair(QualityPreset::kFinal, "final")}) {
             const Shot culled = Take(preset, CullingRule::kAuto, false);
-            const Shot all = Take(preset, CullingRule::kNone, true);
+            const Shot all = Take(preset, CullingRule::kNone, options_.each != 0);
             Print(name, truth, culled, all);
         }
     }
@@ -157,6 +156,7 @@ class Energies {
                 worst_ghost = sequence;
             }
         }
+        if (parts.empty()) parts.emplace_back(0.0, worst_ghost);
         std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
             return std::abs(a.first) > std::abs(b.first);
         });
@@ -168,7 +168,8 @@ class Energies {
             100.0 * culled.culled, 100.0 * (energy + culled.culled),
             100.0 * (all.light / truth.light - 1.0), 100.0 * worst, worst_ghost[0], worst_ghost[1],
             100.0 * parts[0].first, parts[0].second[0], parts[0].second[1]);
-        for (std::size_t n = 0; n < parts.size() && static_cast<int>(n) < options_.ghosts; ++n) {
+        const int listed = options_.each != 0 ? options_.ghosts : 0;
+        for (std::size_t n = 0; n < parts.size() && static_cast<int>(n) < listed; ++n) {
             const BounceSequence& s = parts[n].second;
             std::printf("    (%d, %d): share %.3f, own error %+.4f, part of the whole's %+.5f\n",
                         s[0], s[1], 100.0 * truth.of.at(s) / truth.light,
@@ -192,7 +193,7 @@ int main(int argc, char** argv) {
     if (!Parse(argc, argv, options)) {
         std::fputs(
             "usage: energy [--lens NAME] [--field-deg A] [--f-number F] [--distance-m D]\n"
-            "  [--width N] [--height N] [--spectral 1] [--head 1] [--ghosts N]\n",
+            "  [--width N] [--height N] [--spectral 1] [--head 1] [--ghosts N] [--each 0]\n",
             stderr);
         return 2;
     }

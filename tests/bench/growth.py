@@ -22,7 +22,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "scenario"))
 from harness import FLARE, LENS, Daemon  # noqa: E402
 
-STAGES = ("cull", "mesh", "raster", "resolve")
+STAGES = ("setup", "cull", "mesh", "raster", "resolve")
 COLUMNS = ("series", "x", "ghosts_drawn", "cold_ms", "warm_ms", "peak_mb", "cache_mb")
 
 

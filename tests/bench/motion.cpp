@@ -191,7 +191,8 @@ class Sweep {
                         f.facts.ghosts.size() - static_cast<std::size_t>(culling.culled),
                         static_cast<unsigned long long>(f.work.polygons),
                         static_cast<unsigned long long>(f.work.rays_traced),
-                        f.work.cull_ms + f.work.mesh_ms + f.work.raster_ms + f.work.resolve_ms);
+                        f.work.setup_ms + f.work.cull_ms + f.work.mesh_ms + f.work.raster_ms +
+                            f.work.resolve_ms);
             if (f.change > largest) {
                 largest = f.change;
                 at = n;

@@ -18,7 +18,7 @@ import time
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenario"))
 from harness import LENS, Daemon  # noqa: E402
 
-STAGES = ("cull", "mesh", "raster", "resolve")
+STAGES = ("setup", "cull", "mesh", "raster", "resolve")
 
 
 class Client:
