@@ -24,7 +24,7 @@ struct PixelWindow {
 
 // One channel: width x height floats of the data window, row by row from the top.
 struct ImagePlane {
-    std::string name;  // "R", "ghosts.R", "S0.587,5618nm", ...
+    std::string name;    // "R", "ghosts.R", "S0.587,5618nm", ...
     PlaneValues values;  // planes may share them
 };
 
