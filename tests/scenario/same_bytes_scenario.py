@@ -2,9 +2,10 @@
 """Equal requests give equal bytes: whatever the number of threads, with nothing cached, with meshes in
 memory or on disk, in any order and side by side, as often as one likes.
 
-Small pictures and a few repeats by default. All of it, 1920 x 1080 and a hundred repeats, some
-minutes on two cores:
+Small pictures and a few repeats by default. All of it, 1920 x 1080 and a hundred repeats, half an
+hour on two idle cores, or a hundred repeats of the small ones:
     FLARE_TEST_FULL=1 python3 -B tests/scenario/same_bytes_scenario.py
+    FLARE_TEST_FULL=small python3 -B tests/scenario/same_bytes_scenario.py
 """
 import hashlib
 import json
@@ -16,7 +17,9 @@ import unittest
 from harness import Daemon, Scenario, at_once, eventually, small_request
 
 FULL = os.environ.get("FLARE_TEST_FULL", "") not in ("", "0")
-WIDTH, HEIGHT, REPEATS = (1920, 1080, 100) if FULL else (48, 27, 3)
+LARGE = FULL and os.environ["FLARE_TEST_FULL"] != "small"
+WIDTH, HEIGHT = (1920, 1080) if LARGE else (48, 27)
+REPEATS = 100 if FULL else 3
 THREADS = (1, 2, 4, 8)
 QUEUE = "flared_mesh_disk_queue_bytes"
 
@@ -24,7 +27,7 @@ QUEUE = "flared_mesh_disk_queue_bytes"
 def requests():
     """Pictures that share meshes with one another and pictures that do not."""
     image = {"width": WIDTH, "height": HEIGHT, "sensor_width_mm": 36.0}
-    quality = {"preset": "preview" if FULL else "draft"}
+    quality = {"preset": "preview" if LARGE else "draft"}
 
     def request(**changes):
         return small_request(**{"image": image, "quality": quality, **changes})
