@@ -332,6 +332,7 @@ void Daemon::Handler::AnswerFlare(ServiceReply reply, const std::string& id,
     HttpReply answer = TextReply(std::move(reply.content_type), std::move(reply.bytes));
     answer.fields.emplace_back("Flare-Report", std::move(reply.report_summary));
     answer.fields.emplace_back("Cache-Control", "no-store");
+    answer.spare = services_.spare;
     Answer(std::move(answer), exchange);
 }
 

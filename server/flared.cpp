@@ -164,10 +164,12 @@ WarmTask TaskFrom(const std::shared_ptr<WarmWork>& work, ThreadPool& threads, Me
 
 DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
                             const DiskCache* disk) {
-    const auto context = [&](const CancelToken& cancel) {
-        return ServiceContext{lenses, threads, meshes, cancel, NowMs};
+    const auto spare = std::make_shared<SpareBytes>();
+    const auto context = [&, spare](const CancelToken& cancel) {
+        return ServiceContext{lenses, threads, meshes, cancel, NowMs, spare.get()};
     };
     DaemonServices services;
+    services.spare = spare;
     services.flare = [context](std::string_view body, ReplyFormat format, const std::string& id,
                                const CancelToken& cancel) {
         return ServeFlare(body, format, id, context(cancel));

@@ -17,13 +17,18 @@ struct Picture {
     std::uint64_t saturated_pixels = 0;
 };
 
+std::string SpareMemory(const ServiceContext& context) {
+    return context.spare ? context.spare->Take() : std::string();
+}
+
 Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& output,
-               ThreadPool& threads) {
+               const ServiceContext& context) {
+    ThreadPool& threads = context.threads;
     switch (format) {
         case ReplyFormat::kPng:
             return {EncodePng(image), "image/png", 0};
         case ReplyFormat::kHalfPlanes: {
-            HalfPlanes half = EncodeHalfPlanes(image, threads);
+            HalfPlanes half = EncodeHalfPlanes(image, threads, SpareMemory(context));
             return {std::move(half.bytes), "application/x-flare-half", half.saturated_pixels};
         }
         case ReplyFormat::kExr:
@@ -33,7 +38,7 @@ Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& 
     options.compression = output.compression == wire::Compression::kZip ? ExrCompression::kZip
                                                                         : ExrCompression::kNone;
     options.pixel = output.pixel == wire::PixelType::kHalf ? ExrPixel::kHalf : ExrPixel::kFloat;
-    ExrBytes exr = EncodeExr(image, options, threads);
+    ExrBytes exr = EncodeExr(image, options, threads, SpareMemory(context));
     return {std::move(exr.bytes), "image/x-exr", exr.saturated_pixels};
 }
 
@@ -62,7 +67,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     facts.request_hash = RequestHash(wire_request, *request).hex();
     AddFactAttributes(*request, report.facts, facts.request_hash, image);
     const double start_ms = context.now_ms();
-    Picture picture = Encode(image, format, wire_request.output, context.threads);
+    Picture picture = Encode(image, format, wire_request.output, context);
     facts.encode_ms = context.now_ms() - start_ms;
     facts.content_type = picture.content_type;
     facts.window = image.data;

@@ -12,6 +12,7 @@
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
 #include "core/base/result.h"
+#include "core/base/spare_bytes.h"
 #include "core/mesh/mesh_provider.h"
 #include "server/lens_library.h"
 
@@ -25,6 +26,7 @@ struct ServiceContext {
     MeshProvider& meshes;
     CancelToken cancel;
     std::function<double()> now_ms;  // monotonic
+    SpareBytes* spare = nullptr;     // where replies have their memory from, or none
 };
 
 // Counted once a request for /metrics.

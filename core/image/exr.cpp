@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Threads encode bands; each band is appended to the file as soon as all before it are, by whoever
-// completes the row. So the bytes do not depend on the number of threads, and of a band only the
-// encoded bytes ever stand in memory twice.
+// With ZIP threads encode bands; each band is appended to the file as soon as all before it are, by
+// whoever completes the row. So the bytes do not depend on the number of threads, and of a band
+// only the encoded bytes ever stand in memory twice. Without compression every chunk's place is
+// known, and threads write straight to it.
 #include "core/image/exr.h"
 
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -21,15 +23,16 @@ namespace {
 // The file while bands come in, in any order.
 class ExrFile {
   public:
-    ExrFile(const ExrPlan& plan, std::string header)
+    ExrFile(const ExrPlan& plan, const std::string& header, std::string memory)
         : plan_(plan),
           waiting_(static_cast<std::size_t>(plan.band_count())),
           table_at_(header.size()) {
-        result_.bytes = std::move(header);
+        result_.bytes = std::move(memory);
+        result_.bytes.clear();
         const auto chunks = static_cast<std::size_t>(plan.chunk_count());
-        const auto lines = static_cast<std::size_t>(plan.image.data.height);
         // Never more than this: a chunk that does not shrink is stored.
-        result_.bytes.reserve(table_at_ + 16 * chunks + plan.line_bytes() * lines);
+        result_.bytes.reserve(table_at_ + 8 * chunks + plan.stored_bytes());
+        result_.bytes += header;
         result_.bytes.append(8 * chunks, '\0');
     }
 
@@ -92,11 +95,36 @@ class ExrFile {
     ExrBytes result_;
 };
 
+ExrBytes StoredExr(const ExrPlan& plan, const std::string& header, ThreadPool& threads,
+                   std::string memory) {
+    const auto count = static_cast<std::size_t>(plan.chunk_count());
+    const std::size_t chunks_at = header.size() + 8 * count;
+    ExrBytes result{std::move(memory)};
+    // Used memory is not cleared: every byte is written below.
+    result.bytes.resize(chunks_at + plan.stored_bytes());
+    std::memcpy(result.bytes.data(), header.data(), header.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint64_t offset = chunks_at + k * (plan.stored_bytes() / count);
+        std::memcpy(result.bytes.data() + header.size() + 8 * k, &offset, 8);
+    }
+    auto* const chunks = reinterpret_cast<unsigned char*>(result.bytes.data() + chunks_at);
+    std::vector<std::uint64_t> saturated(static_cast<std::size_t>(plan.band_count()));
+    threads.For(plan.band_count(), [&](int band) {
+        saturated[static_cast<std::size_t>(band)] = ExrBandEncoder(plan).StoreInFile(band, chunks);
+    });
+    result.saturated_pixels = std::accumulate(saturated.begin(), saturated.end(), std::uint64_t{0});
+    return result;
+}
+
 }  // namespace
 
-ExrBytes EncodeExr(const FlareImage& image, const ExrOptions& options, ThreadPool& threads) {
+ExrBytes EncodeExr(const FlareImage& image, const ExrOptions& options, ThreadPool& threads,
+                   std::string memory) {
     const ExrPlan plan(image, options);
-    ExrFile file(plan, ExrHeader(image, options));
+    if (!plan.zip()) {
+        return StoredExr(plan, ExrHeader(image, options), threads, std::move(memory));
+    }
+    ExrFile file(plan, ExrHeader(image, options), std::move(memory));
     threads.For(plan.band_count(), [&](int index) {
         std::unique_ptr<ExrBandEncoder> encoder = file.TakeEncoder();
         std::unique_ptr<ExrBand> band = file.TakeBand();

@@ -3,8 +3,8 @@
 // FlareImage to and from OpenEXR bytes: single part, scan lines, one channel a plane, under the
 // plane's own name ("R", "ghosts.R", "ghosts.S0.587,5618nm"). Output depends on the image and
 // options alone: no time stamp, and the same bytes with any number of threads. Writing uses the
-// caller's threads and takes memory for the file (at most its size without compression) and a band
-// of 16 lines a thread. Safe from any thread.
+// caller's threads and takes memory for the file (at most its size without compression) and, with
+// ZIP, a band of 16 lines a thread. Safe from any thread.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,9 @@ struct ExrBytes {
 // The image must have at least one pixel and one plane, planes of the data window's size with
 // distinct names, and no attribute under a name OpenEXR keeps for itself ("channels", ...):
 // anything else is a broken invariant. NaN is written as it is; a renderer checks its own planes.
-ExrBytes EncodeExr(const FlareImage& image, const ExrOptions& options, ThreadPool& threads);
+// `memory` is used again for the bytes, whatever it holds.
+ExrBytes EncodeExr(const FlareImage& image, const ExrOptions& options, ThreadPool& threads,
+                   std::string memory = {});
 
 // What DecodeExr refuses to make room for.
 inline constexpr std::size_t kMaxExrPixels = std::size_t{1} << 27;

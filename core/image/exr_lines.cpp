@@ -70,6 +70,9 @@ ExrPlan::ExrPlan(const FlareImage& picture, const ExrOptions& how) : image(pictu
         return std::string_view(a->name) < std::string_view(b->name);
     });
     for (const ImagePlane* plane : planes) channels.push_back(plane->values.data());
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+        first_equal.push_back(FirstEqual(channels, c));
+    }
     FLARE_CHECK(line_bytes() <= static_cast<std::size_t>(std::numeric_limits<int>::max()) /
                                     static_cast<std::size_t>(band_lines(0)));
 }
@@ -77,6 +80,11 @@ ExrPlan::ExrPlan(const FlareImage& picture, const ExrOptions& how) : image(pictu
 std::size_t ExrPlan::line_bytes() const {
     const std::size_t sample = options.pixel == ExrPixel::kHalf ? 2 : 4;
     return sample * channels.size() * static_cast<std::size_t>(image.data.width);
+}
+
+std::size_t ExrPlan::stored_bytes() const {
+    return static_cast<std::size_t>(image.data.height) * line_bytes() +
+           static_cast<std::size_t>(chunk_count()) * kChunkHead;
 }
 
 int ExrPlan::chunk_count() const {
@@ -101,15 +109,24 @@ ExrBandEncoder::ExrBandEncoder(const ExrPlan& plan) : plan_(plan) {
 void ExrBandEncoder::Encode(int band, ExrBand& to) {
     const int line = band * kBandLines;
     const int lines = plan_.band_lines(band);
-    const std::size_t heads = plan_.zip() ? 1 : static_cast<std::size_t>(lines);
-    const std::size_t most = plan_.line_bytes() * static_cast<std::size_t>(lines) +
-                             heads * kChunkHead + LineDeflater::kSlack;
+    const std::size_t most =
+        plan_.line_bytes() * static_cast<std::size_t>(lines) + kChunkHead + LineDeflater::kSlack;
     if (to.bytes.size() < most) to.bytes.resize(most);
-    const bool saturated = plan_.zip() ? Deflate(line, lines, to) : Store(line, lines, to);
-    to.saturated_pixels = 0;
-    if (!saturated) return;
+    to.saturated_pixels = Deflate(line, lines, to) ? SaturatedIn(line, lines) : 0;
+}
+
+std::uint64_t ExrBandEncoder::StoreInFile(int band, unsigned char* chunks) {
+    const int line = band * kBandLines;
+    const int lines = plan_.band_lines(band);
+    bool saturated = false;
+    Store(line, lines, chunks + static_cast<std::size_t>(line) * (kChunkHead + plan_.line_bytes()),
+          saturated);
+    return saturated ? SaturatedIn(line, lines) : 0;
+}
+
+std::uint64_t ExrBandEncoder::SaturatedIn(int line, int lines) const {
     const auto width = static_cast<std::size_t>(plan_.image.data.width);
-    to.saturated_pixels = SaturatedPixels(
+    return SaturatedPixels(
         plan_.channels, static_cast<std::size_t>(line) * width,
         static_cast<std::size_t>(lines) * width,
         plan_.options.pixel == ExrPixel::kHalf ? kLargestHalf : std::numeric_limits<float>::max());
@@ -123,27 +140,30 @@ bool ExrBandEncoder::ConvertLine(const float* samples) {
 }
 
 // Lines as they are: one chunk each, or with ZIP all in one.
-bool ExrBandEncoder::Store(int line, int lines, ExrBand& to) {
+unsigned char* ExrBandEncoder::Store(int line, int lines, unsigned char* out, bool& saturated) {
     const auto width = static_cast<std::size_t>(plan_.image.data.width);
     const std::size_t line_bytes = plan_.line_bytes();
     const std::size_t channel_bytes = 2 * (units_.size() - 1);
     const int lines_in_chunk = plan_.zip() ? lines : 1;
-    unsigned char* out = to.bytes.data();
-    bool saturated = false;
     for (int k = 0; k < lines; ++k) {
         if (k % lines_in_chunk == 0) {
             PutChunkHead(out, plan_.image.data.y + line + k,
                          line_bytes * static_cast<std::size_t>(lines_in_chunk));
             out += kChunkHead;
         }
-        for (const float* channel : plan_.channels) {
-            saturated |= ConvertLine(channel + static_cast<std::size_t>(line + k) * width);
+        unsigned char* const first = out;
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c, out += channel_bytes) {
+            const std::size_t same = plan_.first_equal[c];
+            if (same < c) {
+                std::memcpy(out, first + same * channel_bytes, channel_bytes);
+                continue;
+            }
+            saturated |=
+                ConvertLine(plan_.channels[c] + static_cast<std::size_t>(line + k) * width);
             std::memcpy(out, units_.data() + 1, channel_bytes);
-            out += channel_bytes;
         }
     }
-    to.size = static_cast<std::size_t>(out - to.bytes.data());
-    return saturated;
+    return out;
 }
 
 bool ExrBandEncoder::Deflate(int line, int lines, ExrBand& to) {
@@ -155,7 +175,12 @@ bool ExrBandEncoder::Deflate(int line, int lines, ExrBand& to) {
     const std::size_t repeat = channels % 2 == 0 ? channels / 2 * segment : 0;
     const std::size_t deflated = deflater_.Deflate(arranged_.data(), stored, segment, repeat,
                                                    to.bytes.data() + kChunkHead, stored - 1);
-    if (deflated == 0) return Store(line, lines, to);
+    if (deflated == 0) {
+        bool known = saturated;
+        to.size =
+            static_cast<std::size_t>(Store(line, lines, to.bytes.data(), known) - to.bytes.data());
+        return saturated;
+    }
     PutChunkHead(to.bytes.data(), plan_.image.data.y + line, deflated);
     to.size = kChunkHead + deflated;
     return saturated;

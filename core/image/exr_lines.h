@@ -21,6 +21,8 @@ struct ExrPlan {
     bool zip() const { return options.compression == ExrCompression::kZip; }
     // Bytes of a line's samples, all channels.
     std::size_t line_bytes() const;
+    // Of all chunks, without compression.
+    std::size_t stored_bytes() const;
     // Chunks of the file: one for 16 lines with ZIP, one a line without.
     int chunk_count() const;
 
@@ -30,7 +32,8 @@ struct ExrPlan {
 
     const FlareImage& image;
     ExrOptions options;
-    std::vector<const float*> channels;  // in the order of their names
+    std::vector<const float*> channels;    // in the order of their names
+    std::vector<std::size_t> first_equal;  // the first channel with the same samples
 };
 
 // One band's chunks, one behind the other, each with its line number and its size in front.
@@ -46,11 +49,16 @@ class ExrBandEncoder {
     explicit ExrBandEncoder(const ExrPlan& plan);
 
     void Encode(int band, ExrBand& to);
+    // Without compression, where every chunk's size is known beforehand: to the band's place in the
+    // file. `chunks` is where the first chunk of all goes. The saturated pixels.
+    std::uint64_t StoreInFile(int band, unsigned char* chunks);
 
   private:
     // One channel's line into units_; true if a value was saturated.
     bool ConvertLine(const float* samples);
-    bool Store(int line, int lines, ExrBand& to);
+    // Returns what lies behind the last byte written.
+    unsigned char* Store(int line, int lines, unsigned char* out, bool& saturated);
+    std::uint64_t SaturatedIn(int line, int lines) const;
     bool Deflate(int line, int lines, ExrBand& to);
     bool Arrange(int line, int lines);
 

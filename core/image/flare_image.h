@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/image/plane_values.h"
+
 namespace flare {
 
 struct PixelWindow {
@@ -22,8 +24,8 @@ struct PixelWindow {
 
 // One channel: width x height floats of the data window, row by row from the top.
 struct ImagePlane {
-    std::string name;  // "R", "ghosts.R", "S0.587,5618nm", ...
-    std::vector<float> values;
+    std::string name;    // "R", "ghosts.R", "S0.587,5618nm", ...
+    PlaneValues values;  // planes may share them
 };
 
 struct FlareImage {

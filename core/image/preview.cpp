@@ -20,6 +20,7 @@
 #include "core/base/check.h"
 #include "core/base/half.h"
 #include "core/image/channel_name.h"
+#include "core/image/plane_values.h"
 #include "core/image/saturated_pixels.h"
 
 namespace flare {
@@ -158,7 +159,7 @@ std::string EncodePng(const FlareImage& image) {
     return bytes;
 }
 
-HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads) {
+HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads, std::string memory) {
     const std::size_t pixels = image.data.pixels();
     FLARE_CHECK(pixels > 0 && !image.planes.empty());
     static_assert(std::endian::native == std::endian::little, "halves are copied as they lie");
@@ -169,19 +170,20 @@ HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads) {
         names += plane.name + '\0';
         planes.push_back(plane.values.data());
     }
-    HalfPlanes result;
+    std::string head = "FLRH";
+    AppendU32(head, 1);
+    AppendU32(head, static_cast<std::size_t>(image.data.width));
+    AppendU32(head, static_cast<std::size_t>(image.data.height));
+    AppendU32(head, planes.size());
+    AppendU32(head, names.size());
+    head.resize(64, '\0');
+    head += names;
+    const std::size_t first = head.size();
+    HalfPlanes result{std::move(memory)};
     std::string& bytes = result.bytes;
-    const std::size_t first = 64 + names.size();
-    bytes.reserve(first + 2 * planes.size() * pixels);
-    bytes = "FLRH";
-    AppendU32(bytes, 1);
-    AppendU32(bytes, static_cast<std::size_t>(image.data.width));
-    AppendU32(bytes, static_cast<std::size_t>(image.data.height));
-    AppendU32(bytes, planes.size());
-    AppendU32(bytes, names.size());
-    bytes.resize(64, '\0');
-    bytes += names;
+    // Used memory is not cleared: every byte is written below.
     bytes.resize(first + 2 * planes.size() * pixels);
+    std::memcpy(bytes.data(), head.data(), first);
 
     const std::size_t parts = (pixels - 1) / kPixelsAtOnce + 1;
     std::vector<std::uint64_t> saturated(parts, 0);
@@ -191,8 +193,14 @@ HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads) {
         std::vector<std::uint16_t> halves(count);
         bool any = false;
         for (std::size_t p = 0; p < planes.size(); ++p) {
+            char* const to = bytes.data() + first + 2 * (p * pixels + begin);
+            const std::size_t same = FirstEqual(planes, p);
+            if (same < p) {
+                std::memcpy(to, bytes.data() + first + 2 * (same * pixels + begin), 2 * count);
+                continue;
+            }
             any |= ConvertToHalf(planes[p] + begin, count, halves.data());
-            std::memcpy(bytes.data() + first + 2 * (p * pixels + begin), halves.data(), 2 * count);
+            std::memcpy(to, halves.data(), 2 * count);
         }
         if (!any) return;
         saturated[static_cast<std::size_t>(part)] =

@@ -27,6 +27,7 @@ struct HalfPlanes {
     std::string bytes;
     std::uint64_t saturated_pixels = 0;  // with a value beyond +-65504
 };
-HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads);
+// `memory` is used again for the bytes, whatever it holds.
+HalfPlanes EncodeHalfPlanes(const FlareImage& image, ThreadPool& threads, std::string memory = {});
 
 }  // namespace flare

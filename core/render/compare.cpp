@@ -216,7 +216,9 @@ Result<std::vector<PlanePair>> PairPlanes(const FlareImage& image, const FlareIm
                 return BadImage("a channel holds a value that is not finite", p->name);
             }
         }
-        pairs.push_back({&other->values, &plane.values});
+        const std::vector<float>& samples = other->values;
+        const std::vector<float>& truth = plane.values;
+        pairs.push_back({&samples, &truth});
     }
     for (const ImagePlane& plane : image.planes) {
         if (FindPlane(reference, plane.name) == nullptr) {

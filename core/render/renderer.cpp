@@ -86,6 +86,8 @@ class Job {
                               brightest > 0.0 ? brightest : 1.0);
     }
 
+    void AddSetup(double ms) { report_.work.setup_ms += ms; }
+
     Result<Rendering> Run() {
         SetFacts();
         // Lights are placed first: a bad one is an error before any work is done.
@@ -384,24 +386,22 @@ class Job {
         const Vec2d pitch = PixelPitch(request_);
         const double scale = SceneFactor() / (pitch.x * pitch.y);
 
-        const int channels = picture_ ? picture_->channel_count() : 3;
-        image.planes.resize(static_cast<std::size_t>(channels) * 2);
-        std::vector<std::vector<float>*> planes;
-        for (std::size_t p = 0; p < image.planes.size(); ++p) {
-            static const char* const kRgb[] = {"R", "G", "B"};
-            const std::size_t n = p % static_cast<std::size_t>(channels);
-            image.planes[p].name = spectral_ ? SpectralName(request_.wavelengths_nm[n]) : kRgb[n];
-            if (p != n) image.planes[p].name = "ghosts." + image.planes[p].name;
-            planes.push_back(&image.planes[p].values);
-        }
+        const auto channels = static_cast<std::size_t>(picture_ ? picture_->channel_count() : 3);
+        std::vector<std::vector<float>> values(channels);
         if (tile_picture_) {
-            tile_picture_->Resolve(scale, planes, context_.threads);
+            tile_picture_->Resolve(scale, std::array{&values[0], &values[1], &values[2]},
+                                   context_.threads);
         } else {
-            context_.threads.For(channels, [&](int c) {
-                const auto n = static_cast<std::size_t>(c);
-                *planes[n] = picture_->Channel(c, scale);
-                *planes[n + static_cast<std::size_t>(channels)] = *planes[n];
+            context_.threads.For(static_cast<int>(channels), [&](int c) {
+                values[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);
             });
+        }
+        image.planes.resize(channels * 2);
+        for (std::size_t c = 0; c < channels; ++c) {
+            static const char* const kRgb[] = {"R", "G", "B"};
+            const std::string name = spectral_ ? SpectralName(request_.wavelengths_nm[c]) : kRgb[c];
+            image.planes[c] = {name, std::move(values[c])};
+            image.planes[channels + c] = {"ghosts." + name, image.planes[c].values};
         }
         report_.work.resolve_ms = context_.now_ms() - t0;
         return image;
@@ -434,7 +434,10 @@ class Job {
 
 Result<Rendering> Render(const FlareRequest& request, const RenderContext& context) {
     if (const std::optional<Error> error = CheckRequest(request)) return *error;
-    return Job(request, context).Run();
+    const double before = context.now_ms();
+    Job job(request, context);
+    job.AddSetup(context.now_ms() - before);
+    return job.Run();
 }
 
 }  // namespace flare

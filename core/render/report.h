@@ -84,7 +84,8 @@ struct Work {
     std::uint64_t fragments = 0;     // pixels touched, counted once a piece
     std::uint64_t mesh_hits = 0, mesh_misses = 0;
     std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
-    double cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
+    // Setup: coating tables, plans and the picture's memory, before the first light.
+    double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
 };
 
 struct Report {

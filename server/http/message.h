@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 
 #include "core/base/cancel.h"
 #include "core/base/result.h"
+#include "core/base/spare_bytes.h"
 
 namespace flare {
 
@@ -40,6 +42,7 @@ struct HttpReply {
     std::string content_type;
     HttpFields fields;
     std::string body;
+    std::shared_ptr<SpareBytes> spare = nullptr;  // takes the body when it was written, or nobody
 };
 
 // Called on the transport's threads, several at once: must not block.

@@ -247,6 +247,7 @@ class Session : public std::enable_shared_from_this<Session> {
         for (const auto& [name, value] : reply.fields) message.set(name, OneLine(value));
         message.keep_alive(keep_alive_);
         message.body() = std::move(reply.body);
+        spare_ = std::move(reply.spare);
         message.prepare_payload();
         serializer_.emplace(message);
         stream_.expires_after(shared_.limits.reply +
@@ -263,6 +264,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
     void OnWritten(error_code code) {
         serializer_.reset();
+        if (spare_) spare_->Keep(std::move(response_->body()));
+        spare_.reset();
         response_.reset();
         if (code == beast::error::timeout) shared_.handler.ClientTooSlow();
         if (code) return;
@@ -301,6 +304,7 @@ class Session : public std::enable_shared_from_this<Session> {
     std::optional<http::response<http::empty_body>> continue_;
     std::optional<http::response<http::string_body>> response_;
     std::optional<http::response_serializer<http::string_body>> serializer_;
+    std::shared_ptr<SpareBytes> spare_;  // of the reply that is being written
     HttpRequest request_;
     CancelToken cancel_;
     unsigned version_ = 11;

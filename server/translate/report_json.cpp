@@ -82,7 +82,7 @@ void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Member("mesh_disk_hits", work.mesh_disk_hits);
     json.Member("threads", reply.threads);
     json.Key("time_ms").BeginInlineObject();
-    json.Member("cull", work.cull_ms);
+    json.Member("setup", work.setup_ms).Member("cull", work.cull_ms);
     json.Member("mesh", work.mesh_ms).Member("raster", work.raster_ms);
     json.Member("resolve", work.resolve_ms).Member("encode", reply.encode_ms);
     json.End().End();

@@ -21,6 +21,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "core/image/preview.h"
 #include "tests/support/library_exr.h"
@@ -71,6 +72,51 @@ TEST(EncodeExr, EveryPlaneIsAChannelUnderItsOwnName) {
         }
         EXPECT_EQ(channels, 4);
     }
+}
+
+// As a layer does that is the whole picture: it is not converted twice.
+TEST(EncodeExr, SharedSamplesGiveTheBytesOfEqualOnes) {
+    FlareImage shared = Gradient(61, 35, {"R", "G", "ghosts.R", "ghosts.G"});
+    shared.planes[0].values[7] = 1e9f;  // saturates
+    FlareImage apart = shared;
+    for (std::size_t p : {0U, 1U}) {
+        shared.planes[p + 2].values = shared.planes[p].values;
+        apart.planes[p + 2].values = std::vector<float>(std::as_const(shared.planes[p].values));
+    }
+    const FlareImage& a = shared;
+    ASSERT_EQ(a.planes[0].values.data(), a.planes[2].values.data());
+    for (const ExrCompression compression : {ExrCompression::kZip, ExrCompression::kNone}) {
+        for (const ExrPixel pixel : {ExrPixel::kHalf, ExrPixel::kFloat}) {
+            EXPECT_EQ(Encoded(shared, {compression, pixel}).bytes,
+                      Encoded(apart, {compression, pixel}).bytes);
+        }
+        EXPECT_EQ(Encoded(shared, {compression}).saturated_pixels, 1U);
+    }
+    ThreadPool threads(2);
+    EXPECT_EQ(EncodeHalfPlanes(shared, threads).bytes, EncodeHalfPlanes(apart, threads).bytes);
+    // Writing to one leaves the other alone.
+    const float before = a.planes[2].values[0];
+    shared.planes[0].values[0] = before + 1.0f;
+    EXPECT_EQ(a.planes[2].values[0], before);
+    EXPECT_EQ(a.planes[0].values[0], before + 1.0f);
+}
+
+TEST(EncodeExr, UsesMemoryAgainWhateverItHolds) {
+    const FlareImage image = Gradient(61, 35, {"R", "G"});
+    ThreadPool threads(2);
+    for (const ExrCompression compression : {ExrCompression::kZip, ExrCompression::kNone}) {
+        const std::string expected = EncodeExr(image, {compression}, threads).bytes;
+        for (const std::size_t size : {0U, 100U, 100'000U}) {
+            std::string memory(size, 'x');
+            memory.reserve(200'000);
+            const char* const at = memory.data();
+            const ExrBytes exr = EncodeExr(image, {compression}, threads, std::move(memory));
+            EXPECT_EQ(exr.bytes, expected);
+            EXPECT_EQ(exr.bytes.data(), at);
+        }
+    }
+    const std::string planes = EncodeHalfPlanes(image, threads).bytes;
+    EXPECT_EQ(EncodeHalfPlanes(image, threads, std::string(100'000, 'x')).bytes, planes);
 }
 
 TEST(EncodeExr, HalfIsTheNearestHalf) {
