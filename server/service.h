@@ -13,6 +13,7 @@
 #include "core/base/parallel.h"
 #include "core/base/result.h"
 #include "core/mesh/mesh_provider.h"
+#include "server/encoder/encoder_set.h"
 #include "server/lens_library.h"
 
 namespace flare {
@@ -24,7 +25,8 @@ struct ServiceContext {
     ThreadPool& threads;
     MeshProvider& meshes;
     CancelToken cancel;
-    std::function<double()> now_ms;  // monotonic
+    std::function<double()> now_ms;        // monotonic
+    const EncoderSet* encoders = nullptr;  // that requests may name; null: none
 };
 
 // Counted once a request for /metrics.
