@@ -23,6 +23,7 @@ constexpr unsigned Of(EncoderKind kind) {
     return 1U << static_cast<unsigned>(kind);
 }
 constexpr unsigned kAnyKind = ~0U;
+constexpr unsigned kUsb = Of(EncoderKind::kQsb) | Of(EncoderKind::kCooke) | Of(EncoderKind::kHid);
 constexpr unsigned kUdp = Of(EncoderKind::kFreeD) | Of(EncoderKind::kOpenTrackIo);
 
 struct KindsOfKey {
@@ -44,6 +45,14 @@ constexpr std::array kKeys{
     KindsOfKey{"address", kUdp},
     KindsOfKey{"multicast", kUdp},
     KindsOfKey{"camera_id", Of(EncoderKind::kFreeD)},
+    KindsOfKey{"serial", kUsb, Of(EncoderKind::kCooke)},
+    KindsOfKey{"vendor", kUsb, Of(EncoderKind::kHid)},
+    KindsOfKey{"product", kUsb, Of(EncoderKind::kHid)},
+    KindsOfKey{"axis", Of(EncoderKind::kQsb)},
+    KindsOfKey{"report", Of(EncoderKind::kHid)},
+    KindsOfKey{"focus_field", Of(EncoderKind::kHid)},
+    KindsOfKey{"iris_field", Of(EncoderKind::kHid)},
+    KindsOfKey{"zoom_field", Of(EncoderKind::kHid)},
 };
 
 // Each Read returns what is wrong with the node, or "".
@@ -117,6 +126,33 @@ std::string ReadIrisScale(const toml::node& node, bool& is_t_stop) {
     return "";
 }
 
+std::string ReadAxisName(const toml::node& node, LensAxis& target) {
+    std::string name;
+    if (Read(node, name).empty()) {
+        for (const LensAxis axis : kLensAxes) {
+            if (Name(axis) != name) continue;
+            target = axis;
+            return "";
+        }
+    }
+    return "needs \"focus\", \"iris\" or \"zoom\"";
+}
+
+// {byte = 1, bits = 16, signed = false, big_endian = false}
+std::string ReadField(const toml::node& node, HidField& field) {
+    const toml::table* table = node.as_table();
+    if (!table || !table->contains("byte")) return "needs a table with byte";
+    for (const auto& [key, value] : *table) {
+        std::string problem = "is no key of a field";
+        if (key == "byte") problem = ReadWhole(value, 0, 1'023, field.byte);
+        if (key == "bits") problem = ReadWhole(value, 8, 32, field.bits);
+        if (key == "signed") problem = Read(value, field.is_signed);
+        if (key == "big_endian") problem = Read(value, field.big_endian);
+        if (!problem.empty()) return std::string(key.str()) + " " + problem;
+    }
+    return field.bits % 8 == 0 ? "" : "bits needs 8, 16, 24 or 32";
+}
+
 class EncoderReader {
   public:
     explicit EncoderReader(const toml::table& table) : table_(table) {}
@@ -172,6 +208,15 @@ class EncoderReader {
         if (key == "address") return Read(node, config_.address);
         if (key == "multicast") return Read(node, config_.multicast);
         if (key == "camera_id") return ReadWhole(node, 0, 255, config_.source.emplace());
+        if (key == "serial") return Read(node, config_.serial);
+        if (key == "vendor") return ReadWhole(node, 0, 0xffff, config_.vendor.emplace());
+        if (key == "product") return ReadWhole(node, 0, 0xffff, config_.product.emplace());
+        if (key == "axis") return ReadAxisName(node, config_.axis);
+        if (key == "report") return ReadWhole(node, 0, 255, config_.hid.report.emplace());
+        for (const LensAxis axis : kLensAxes) {
+            if (key != std::string(Name(axis)) + "_field") continue;
+            return ReadField(node, config_.hid.fields[Index(axis)].emplace());
+        }
         return "";  // kind
     }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// flare encoder list and watch.
+// flare encoder list and watch; calibrate stands in a file of its own.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -121,20 +121,6 @@ int Watch(const EncoderOptions& options) {
     return kDone;
 }
 
-void AddSourceOptions(CLI::App& command, EncoderOptions& options) {
-    CLI::Option* server =
-        command
-            .add_option("--server", options.server,
-                        "The daemon: unix:/path/to/socket or http://host:port; without it the one "
-                        "at http://127.0.0.1:7411")
-            ->type_name("URL");
-    command
-        .add_option("--config", options.config,
-                    "Run the encoders of this configuration here; no daemon may hold them")
-        ->type_name("FILE")
-        ->excludes(server);
-}
-
 }  // namespace
 
 void AddEncoderCommands(CLI::App& app, int& exit_code) {
@@ -143,13 +129,13 @@ void AddEncoderCommands(CLI::App& app, int& exit_code) {
     encoder->require_subcommand(1);
 
     CLI::App* list = encoder->add_subcommand("list", "All encoders with state and health");
-    AddSourceOptions(*list, *options);
+    AddEncoderSource(*list, options->server, options->config);
     list->add_flag("--json", options->json, "JSON instead of a table");
     list->callback([options, &exit_code] { exit_code = List(*options); });
 
     CLI::App* watch = encoder->add_subcommand("watch", "Follow one encoder, a line each time");
     watch->add_option("name", options->name, "The encoder")->required()->type_name("NAME");
-    AddSourceOptions(*watch, *options);
+    AddEncoderSource(*watch, options->server, options->config);
     watch->add_option("--interval-ms", options->interval_ms, "Between two lines")
         ->check(FiniteIn(1.0, 1e6))
         ->capture_default_str();
@@ -157,6 +143,7 @@ void AddEncoderCommands(CLI::App& app, int& exit_code) {
         ->check(CLI::Range(0, 1'000'000'000))
         ->capture_default_str();
     watch->callback([options, &exit_code] { exit_code = Watch(*options); });
+    AddCalibrateCommand(*encoder, exit_code);
 }
 
 }  // namespace flare::cli

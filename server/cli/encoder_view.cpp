@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/cli/encoder_view.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -44,6 +45,20 @@ void WaitForStates(const EncoderSet& encoders) {
                        [](const auto& track) { return track->samples() == 0; })) {
         std::this_thread::sleep_for(kPoll);
     }
+}
+
+void AddEncoderSource(CLI::App& command, std::string& server, std::string& config) {
+    CLI::Option* option =
+        command
+            .add_option("--server", server,
+                        "The daemon: unix:/path/to/socket or http://host:port; without it the one "
+                        "at http://127.0.0.1:7411")
+            ->type_name("URL");
+    command
+        .add_option("--config", config,
+                    "Run the encoders of this configuration here; no daemon may hold them")
+        ->type_name("FILE")
+        ->excludes(option);
 }
 
 Result<EncoderView> EncoderView::Open(const std::string& server, const std::string& config) {

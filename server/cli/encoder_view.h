@@ -12,6 +12,10 @@
 #include "protocol/codec/json_document.h"
 #include "server/encoder/encoder_set.h"
 
+namespace CLI {
+class App;
+}
+
 namespace flare::cli {
 
 // The encoders of a configuration file; none for "". Complaints of encoders go to standard error.
@@ -19,6 +23,12 @@ Result<std::unique_ptr<EncoderSet>> StartEncoders(const std::string& config_path
 
 // Until each has given a state; at most two seconds.
 void WaitForStates(const EncoderSet& encoders);
+
+// --server URL and --config FILE, of which one may be given.
+void AddEncoderSource(CLI::App& command, std::string& server, std::string& config);
+
+// flare encoder calibrate.
+void AddCalibrateCommand(CLI::App& encoder, int& exit_code);
 
 class EncoderView {
   public:

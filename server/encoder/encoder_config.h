@@ -10,12 +10,13 @@
 #include <string>
 
 #include "server/encoder/calibration.h"
+#include "server/encoder/hid_report.h"
 
 namespace flare {
 
-enum class EncoderKind { kScript, kFreeD, kOpenTrackIo };
-inline constexpr std::array<std::string_view, 3> kEncoderKindNames{"script", "freed",
-                                                                   "opentrackio"};
+enum class EncoderKind { kScript, kFreeD, kOpenTrackIo, kQsb, kCooke, kHid };
+inline constexpr std::array<std::string_view, 6> kEncoderKindNames{"script", "freed", "opentrackio",
+                                                                   "qsb",    "cooke", "hid"};
 constexpr std::string_view Name(EncoderKind kind) {
     return kEncoderKindNames[static_cast<std::size_t>(kind)];
 }
@@ -34,6 +35,11 @@ struct EncoderConfig {
     std::string multicast;            // group to join; "": none
     int port = 0;
     std::optional<int> source;  // FreeD's camera id; the others of that port are passed over
+
+    std::optional<int> vendor, product;  // qsb, cooke, hid: USB ids
+    std::string serial;                  // and serial number; "": any
+    LensAxis axis = LensAxis::kFocus;    // qsb: the ring it sits on
+    HidMap hid;
 };
 
 }  // namespace flare

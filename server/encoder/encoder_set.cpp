@@ -2,6 +2,9 @@
 #include "server/encoder/encoder_set.h"
 
 #include "protocol/codec/json_writer.h"
+#include "server/encoder/script_encoder.h"
+#include "server/encoder/udp_encoder.h"
+#include "server/encoder/usb_encoder.h"
 
 namespace flare {
 namespace {
@@ -46,6 +49,22 @@ void WriteEncoder(JsonWriter& json, const EncoderTrack& track, double now_s) {
         json.Member(kEncoderFaultNames[i], status.faults[i]);
     }
     json.End().End();
+}
+
+// The source that the track's config asks for.
+Result<std::unique_ptr<EncoderSource>> StartSource(EncoderTrack& track) {
+    switch (track.config().kind) {
+        case EncoderKind::kScript:
+            return StartScript(track);
+        case EncoderKind::kFreeD:
+        case EncoderKind::kOpenTrackIo:
+            return StartUdp(track);
+        case EncoderKind::kQsb:
+        case EncoderKind::kCooke:
+        case EncoderKind::kHid:
+            return StartUsb(track);
+    }
+    return Error{"bad_config", "there is no such kind of encoder", "kind"};
 }
 
 }  // namespace

@@ -7,10 +7,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-
-#include "server/encoder/script_encoder.h"
-#include "server/encoder/udp_encoder.h"
 
 namespace flare {
 
@@ -39,17 +35,6 @@ bool StopSignal::WaitFor_ms(double ms) const {
         if (ppoll(&poll_fd, 1, &wait, nullptr) > 0) return true;
         if (Clock::now() >= end) return false;
     }
-}
-
-Result<std::unique_ptr<EncoderSource>> StartSource(EncoderTrack& track) {
-    switch (track.config().kind) {
-        case EncoderKind::kScript:
-            return StartScript(track);
-        case EncoderKind::kFreeD:
-        case EncoderKind::kOpenTrackIo:
-            return StartUdp(track);
-    }
-    return Error{"bad_config", "there is no such kind of encoder", "kind"};
 }
 
 }  // namespace flare

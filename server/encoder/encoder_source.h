@@ -54,7 +54,4 @@ class SourceThread {
     std::thread thread_;
 };
 
-// The source that the track's config asks for. Error code "bad_config".
-Result<std::unique_ptr<EncoderSource>> StartSource(EncoderTrack& track);
-
 }  // namespace flare

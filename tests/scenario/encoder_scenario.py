@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 from encoder_checks import EncoderChecks
-from harness import (FLARED, LENS, PATIENCE_S, at_once, eventually, exr_attributes,
+from harness import (FLARE, FLARED, LENS, PATIENCE_S, at_once, eventually, exr_attributes,
                      small_request)
 
 
@@ -127,6 +127,38 @@ value = [0.5, 1, inf]
             reply = self.assert_ok(daemon.flare(request))
             self.assertNotIn("focus", exr_attributes(reply.body))
             self.assert_equals_numbers(daemon, request, reply)
+
+    def test_a_person_is_led_through_a_calibration(self):
+        port, count = free_port(), [100]
+        config = f'[[encoder]]\nname = "x"\nkind = "freed"\nport = {port}\naddress = "127.0.0.1"\n'
+        with self.daemon(config) as daemon:
+            self.sender(port, lambda i: freed(1, 0, count[0]))
+            self.assertTrue(eventually(lambda: self.encoder(daemon, "x")["connected"]))
+            lead = subprocess.Popen(
+                [FLARE, "encoder", "calibrate", "x", "--axis", "focus", "--server",
+                 daemon.unix_url, "-o", self.path("table.toml")],
+                stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
+            marks = [("0.45", 100), ("1", 9_000), ("2.5", 20_000), ("inf", 31_000)]
+            for mark, counts in marks:
+                count[0] = counts
+                self.assertTrue(eventually(
+                    lambda c=counts: self.encoder(daemon, "x")["raw"]["focus"] == c))
+                lead.stdin.write(mark + "\n")
+                said = lead.stderr.readline()
+                self.assertIn(f"count {counts} ", said)
+            lead.stdin.write("one\n\n")
+            lead.stdin.close()
+            self.assertIn("'one' is no mark", lead.stderr.read())
+            self.assertEqual(lead.wait(PATIENCE_S), 0)
+            lead.stderr.close()
+        with open(self.path("table.toml"), encoding="utf-8") as file:
+            table = file.read()
+        with self.daemon(config + table) as daemon:
+            for mark, counts in marks:
+                count[0] = counts
+                wanted = {"focus_m": None if mark == "inf" else float(mark)}
+                self.assertTrue(eventually(
+                    lambda w=wanted: self.encoder(daemon, "x").get("state") == w), mark)
 
     def test_open_track_io_at_285_samples_a_second_under_load(self):
         ports = free_port(), free_port()

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/fuzz_bytes.h"
 #include "tests/support/random.h"
 
 namespace flare {
@@ -133,7 +134,7 @@ TEST(OpenTrackIo, NoiseNeverHarms) {
     const std::vector<std::uint8_t> good = Datagram(kSample, 1);
     OpenTrackIoStream stream;
     int taken = 0;
-    for (std::size_t done = 0; done < 1'000'000; done += good.size()) {
+    for (std::size_t done = 0; done < test::kFuzzBytes; done += good.size()) {
         std::vector<std::uint8_t> bytes = good;
         const int changes = random.Below(4);
         for (int i = 0; i < changes; ++i) {

@@ -41,12 +41,12 @@ class EncoderInRequest : public testing::Test {
         encoders_ = std::move(*set);
         while (encoders_->Find("A-cam")->samples() < 2) std::this_thread::yield();
     }
-    static std::string Body(const std::string& more, bool with_lens = true) {
+    std::string Body(const std::string& more, bool with_lens = true) const {
         return std::string("{") + (with_lens ? "\"lens\":\"" + std::string(kLens) + "\"," : "") +
                R"("quality":{"preset":"draft"},"output":{"pixel":"float"},
                   "image":{"width":32,"height":18,"sensor_width_mm":36},
-                  "lights":[{"direction":[0.1,0.05,1]}])" +
-               more + "}";
+                  "lights":)" +
+               (lit_ ? R"([{"direction":[0.1,0.05,1]}])" : "[]") + more + "}";
     }
     Result<ServiceReply> Serve(const std::string& body) {
         static const LensLibrary library = *LensLibrary::Load(FLARE_SOURCE_DIR "/lenses");
@@ -63,6 +63,7 @@ class EncoderInRequest : public testing::Test {
     test::TemporaryFolder folder_;
     TracingMeshProvider meshes_;
     std::unique_ptr<EncoderSet> encoders_;
+    bool lit_ = true;  // without a light no ray is traced
 };
 
 template <class Attributes>
@@ -105,11 +106,13 @@ TEST_F(EncoderInRequest, TakesThePastAndTheLensFromTheEncoder) {
         std::snprintf(more, sizeof more, ",\"encoder\":\"A-cam\",\"encoder_time\":%.9f", time_s);
         return Serve(Body(more, false));
     };
+    lit_ = false;
     const auto past = at(newest_s - 0.025);
     ASSERT_TRUE(past) << past.error().message;
     const auto focus_at = past->report.find("\"state\": {\"focus_m\": ");
     ASSERT_NE(focus_at, std::string::npos) << past->report;
     EXPECT_NEAR(std::stod(past->report.substr(focus_at + 21)), 3.0, 1e-3);  // halfway in 1/m
+    lit_ = true;
     const FlareImage now = Picture(Serve(Body(R"(,"encoder":"A-cam")", false)));
     const FlareImage written = Picture(Serve(Body(R"(,"focus_m":null,"f_number":4)")));
     EXPECT_EQ(now.planes[0].values, written.planes[0].values);
@@ -118,6 +121,7 @@ TEST_F(EncoderInRequest, TakesThePastAndTheLensFromTheEncoder) {
 }
 
 TEST_F(EncoderInRequest, RefusesWhatCannotBeMeant) {
+    lit_ = false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const struct {
         std::string body;
