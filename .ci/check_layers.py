@@ -27,7 +27,8 @@ CORE_TYPE = re.compile(r"core/(?!base/)")
 # A heavy library is seen by these files and no others: (name, headers, files).
 LIBRARIES = [
     ("nlohmann-json", r"nlohmann/", r"protocol/codec/"),
-    ("toml++", r"toml\+\+/", r"core/prescription/toml_document\.cpp|server/config\.cpp"),
+    ("toml++", r"toml\+\+/", r"core/prescription/toml_document\.cpp|server/config(_encoders)?\.(cpp|h)"),
+    ("libusb", r"(libusb|ftdi)\.h", r"server/encoder/usb_"),
     ("Boost", r"boost/", r"server/http/|protocol/client/"),
     ("OpenEXR", r"(OpenEXR/|Imf|Iex|IlmThread)", r"core/image/exr_(header|decode)\.cpp"),
     ("Highway", r"hwy/", r"core/tracing/trace_columns|core/mesh/passage_columns|core/image/tile_kernels"),

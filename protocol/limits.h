@@ -61,6 +61,15 @@ inline constexpr std::size_t kWarmLights = 4'096;  // of one request
 inline constexpr std::size_t kWarmJobs = 16;       // that are not done
 inline constexpr std::size_t kWarmJobsKept = 256;  // that can still be asked about
 
+// Lens encoders.
+inline constexpr std::size_t kEncoders = 64;               // of one program
+inline constexpr std::size_t kEncoderMarks = 1'000;        // of one calibration table
+inline constexpr std::size_t kEncoderHistory = 4'096;      // readings kept of one encoder
+inline constexpr std::size_t kScriptSamples = 1'000'000;   // of a file to be replayed
+inline constexpr std::size_t kOpenTrackIoBytes = 262'144;  // of a sample in segments
+inline constexpr double kMaxEncoderTime_s = 1e11;          // Unix time
+inline constexpr double kMaxEncoderAge_ms = 1e12;
+
 // The ray tracer's input.
 inline constexpr std::size_t kTraceRays = 200'000;
 inline constexpr std::size_t kBounces = 8;

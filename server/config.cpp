@@ -9,8 +9,7 @@
 #include <optional>
 #include <thread>
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
+#include "server/config_encoders.h"
 
 namespace flare {
 namespace {
@@ -44,11 +43,6 @@ constexpr std::array<std::string_view, 6> kLogLevels{"trace", "debug", "info",
 
 Error BadConfig(std::string message, std::string where) {
     return {"bad_config", std::move(message), std::move(where)};
-}
-
-std::string WhereOf(const toml::source_region& source) {
-    return "line " + std::to_string(source.begin.line) + ", column " +
-           std::to_string(source.begin.column);
 }
 
 // Each Read... returns what is wrong with the node, or "".
@@ -147,6 +141,12 @@ Result<Config> ReadConfig(std::string_view text, Config config) {
                          WhereOf(parsed.error().source()));
     }
     for (const auto& [key, node] : parsed.table()) {
+        if (key == "encoder") {
+            Result<std::vector<EncoderConfig>> encoders = ReadEncoders(node);
+            if (!encoders) return encoders.error();
+            config.encoders = std::move(*encoders);
+            continue;
+        }
         const std::string problem = ReadKey(key.str(), node, config);
         if (problem.empty()) continue;
         return BadConfig(std::string(key.str()) + " " + problem, WhereOf(key.source()));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "server/encoder/encoder_config.h"
 
 namespace flare {
 
@@ -22,6 +23,7 @@ struct Config {
     std::string log_level = "info";
     std::string socket_mode = "0600";  // octal permissions of a Unix socket
     bool allow_remote = false;
+    std::vector<EncoderConfig> encoders;
 
     std::int64_t threads = 0;  // 0: one a core
     std::int64_t workers = 0;  // 0: one a core

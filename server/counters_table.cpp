@@ -59,6 +59,34 @@ void AddDisk(const DiskCacheStats& disk, std::vector<MetricFamily>& families) {
         MetricType::Gauge, disk.queue_bytes);
 }
 
+void AddEncoders(const std::vector<EncoderCounts>& encoders, std::vector<MetricFamily>& families) {
+    if (encoders.empty()) return;
+    MetricFamily connected{
+        "flared_encoder_connected", "1 while the encoder's device is there", MetricType::Gauge, {}};
+    MetricFamily samples{"flared_encoder_samples_total",
+                         "Lens states read from the encoder",
+                         MetricType::Counter,
+                         {}};
+    MetricFamily faults{"flared_encoder_faults_total",
+                        "What went wrong with the encoder, by kind",
+                        MetricType::Counter,
+                        {}};
+    for (const EncoderCounts& encoder : encoders) {
+        prometheus::ClientMetric metric;
+        metric.label = {{"name", encoder.name}};
+        metric.gauge.value = encoder.connected ? 1.0 : 0.0;
+        connected.metric.push_back(metric);
+        metric.counter.value = static_cast<double>(encoder.samples);
+        samples.metric.push_back(metric);
+        for (const auto& [kind, count] : encoder.faults) {
+            metric.label = {{"name", encoder.name}, {"kind", kind}};
+            metric.counter.value = static_cast<double>(count);
+            faults.metric.push_back(metric);
+        }
+    }
+    families.insert(families.end(), {connected, samples, faults});
+}
+
 }  // namespace
 
 struct CountersTable::State {
@@ -124,6 +152,7 @@ std::string CountersTable::Text(const GaugeReadings& readings) const {
     add("flared_mesh_cache_entries", "Meshes kept", MetricType::Gauge,
         static_cast<double>(cache.entries));
     AddDisk(readings.cache.disk, families);
+    AddEncoders(readings.encoders, families);
     add("flared_queue_depth", "Requests that wait for a worker", MetricType::Gauge,
         static_cast<double>(readings.queue_depth));
     add("flared_warm_jobs", "Warming that is under way", MetricType::Gauge,

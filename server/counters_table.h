@@ -9,6 +9,8 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "server/cache/disk_cache.h"
 #include "server/cache/single_flight_cache.h"
@@ -21,9 +23,17 @@ struct CacheReadings {
     DiskCacheStats disk{};          // zeros where there is none
 };
 
+struct EncoderCounts {
+    std::string name;
+    bool connected = false;
+    std::uint64_t samples = 0;
+    std::vector<std::pair<std::string, std::uint64_t>> faults;  // by kind
+};
+
 // What is read at the moment somebody asks.
 struct GaugeReadings {
     CacheReadings cache;
+    std::vector<EncoderCounts> encoders;
     std::size_t queue_depth = 0;
     std::size_t connections = 0;
     std::size_t warm_jobs = 0;

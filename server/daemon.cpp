@@ -168,6 +168,8 @@ HttpReply Daemon::Handler::AnswerNow(const Route& route) {
             return TextReply(kJson, services_.lens_list);
         case RouteId::kReport:
             return ReportReply(route.name);
+        case RouteId::kEncoders:
+            return TextReply(kJson, services_.encoders());
         case RouteId::kOpenApi:
             return TextReply("application/yaml", std::string(services_.openapi));
         case RouteId::kMetrics:
@@ -191,6 +193,7 @@ HttpReply Daemon::Handler::AnswerNow(const Route& route) {
 HttpReply Daemon::Handler::Metrics() const {
     GaugeReadings readings;
     readings.cache = services_.cache();
+    readings.encoders = services_.encoder_counts();
     readings.queue_depth = scheduler_.queued();
     if (const HttpServer* server = server_) readings.connections = server->connections();
     readings.warm_jobs = warm_jobs_.under_way();
@@ -344,6 +347,7 @@ void Daemon::Handler::AnswerError(const Error& error, const JobTicket& ticket,
         return Abandon(exchange);
     }
     HttpReply reply = ErrorReply(StatusFor(error.code), error);
+    if (error.code == "encoder_stale") reply.fields.emplace_back("Retry-After", "1");
     if (error.code == "overloaded") {
         counters_.CountRejection("memory");
         reply.fields.emplace_back("Retry-After", std::to_string(scheduler_.RetryAfterSeconds()));

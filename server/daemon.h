@@ -43,6 +43,8 @@ struct DaemonServices {
     std::string_view openapi;  // YAML; outlives the daemon
     std::function<CacheReadings()> cache;
     std::shared_ptr<SpareBytes> spare;  // takes the memory of pictures that were sent, or nobody
+    std::function<std::string()> encoders;  // JSON
+    std::function<std::vector<EncoderCounts>()> encoder_counts;
     // What POST /v1/warm asks for, understood and checked; its steps come from one thread at a
     // time.
     std::function<Result<WarmTask>(std::string_view body)> warm;

@@ -24,6 +24,7 @@
 #include "server/cache/program_identity.h"
 #include "server/config.h"
 #include "server/daemon.h"
+#include "server/encoder/encoder_set.h"
 #include "server/lens_services.h"
 #include "server/picture_memory.h"
 #include "server/translate/lens_json.h"
@@ -162,11 +163,24 @@ WarmTask TaskFrom(const std::shared_ptr<WarmWork>& work, ThreadPool& threads, Me
     return task;
 }
 
+std::vector<EncoderCounts> CountsOf(const EncoderSet& encoders) {
+    std::vector<EncoderCounts> all;
+    for (const auto& track : encoders.tracks()) {
+        const EncoderStatus status = track->Status(EncoderClock::Now_s());
+        EncoderCounts counts{track->config().name, status.connected, status.samples, {}};
+        for (std::size_t i = 0; i < status.faults.size(); ++i) {
+            counts.faults.emplace_back(kEncoderFaultNames[i], status.faults[i]);
+        }
+        all.push_back(std::move(counts));
+    }
+    return all;
+}
+
 DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
-                            const DiskCache* disk) {
+                            const DiskCache* disk, const EncoderSet& encoders) {
     const auto spare = std::make_shared<SpareBytes>();
     const auto context = [&, spare](const CancelToken& cancel) {
-        return ServiceContext{lenses, threads, meshes, cancel, NowMs, spare.get()};
+        return ServiceContext{lenses, threads, meshes, cancel, NowMs, spare.get(), &encoders};
     };
     DaemonServices services;
     services.spare = spare;
@@ -187,6 +201,8 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
         if (!work) return work.error();
         return TaskFrom(*work, threads, meshes, disk);
     };
+    services.encoders = [&encoders] { return EncodersJson(encoders); };
+    services.encoder_counts = [&encoders] { return CountsOf(encoders); };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();
     services.cache = [&meshes, disk] {
@@ -237,10 +253,17 @@ int Serve(const Config& config) {
     std::vector<std::string> urls;
     for (const ListeningSocket& socket : *sockets) urls.push_back(socket.url());
 
+    const EncoderLog log = [](bool warning, const std::string& text) {
+        spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", text);
+    };
+    const Result<std::unique_ptr<EncoderSet>> encoders = EncoderSet::Start(config.encoders, log);
+    if (!encoders) return Fail(kBadUsage, encoders.error());
+
     ThreadPool threads(static_cast<int>(config.threads));
     const std::unique_ptr<DiskCache> disk = DiskCacheFrom(config);
     MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB, disk.get());
-    Daemon daemon(OptionsFrom(config), ServicesFrom(*lenses, threads, meshes, disk.get()),
+    Daemon daemon(OptionsFrom(config),
+                  ServicesFrom(*lenses, threads, meshes, disk.get(), **encoders),
                   std::move(*sockets));
     // Scripts wait for these lines and read the port from them.
     for (const std::string& url : urls) std::cout << "listening " << url << '\n';

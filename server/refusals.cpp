@@ -17,10 +17,11 @@ struct StatusOfCode {
 };
 // Every other code means that the request was bad.
 constexpr std::array kStatuses{
-    StatusOfCode{"unknown_lens", 404}, StatusOfCode{"not_found", 404},
-    StatusOfCode{"too_large", 413},    StatusOfCode{"deadline", 503},
-    StatusOfCode{"overloaded", 503},   StatusOfCode{"draining", 503},
-    StatusOfCode{"internal", 500},
+    StatusOfCode{"unknown_lens", 404},  StatusOfCode{"not_found", 404},
+    StatusOfCode{"too_large", 413},     StatusOfCode{"deadline", 503},
+    StatusOfCode{"overloaded", 503},    StatusOfCode{"draining", 503},
+    StatusOfCode{"internal", 500},      StatusOfCode{"unknown_encoder", 404},
+    StatusOfCode{"encoder_stale", 503},
 };
 
 // Browsers send Origin with what a page makes them post. A page of another origin has no business

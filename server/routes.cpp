@@ -28,7 +28,7 @@ constexpr std::array kPatterns{
     Pattern{RouteId::kReadyz, "/readyz"},
     Pattern{RouteId::kWarm, "/v1/warm", true},
     Pattern{RouteId::kWarmJob, "/v1/warm/ID", false, true},
-    Pattern{RouteId::kNotBuilt, "/v1/encoders"},
+    Pattern{RouteId::kEncoders, "/v1/encoders"},
     Pattern{RouteId::kNotBuilt, "/v1/live"},
     Pattern{RouteId::kNotBuilt, "/"},
 };

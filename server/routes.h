@@ -17,6 +17,7 @@ enum class RouteId {
     kReport,
     kWarm,
     kWarmJob,
+    kEncoders,
     kOpenApi,
     kMetrics,
     kHealthz,

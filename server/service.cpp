@@ -5,6 +5,7 @@
 #include "core/image/preview.h"
 #include "core/render/renderer.h"
 #include "protocol/codec/flare_request_codec.h"
+#include "server/translate/encoder_use.h"
 #include "server/translate/report_json.h"
 #include "server/translate/request_from_wire.h"
 
@@ -47,13 +48,17 @@ Picture Encode(const FlareImage& image, ReplyFormat format, const wire::Output& 
 Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
                                 const std::string& report_id, const ServiceContext& context) {
     // Understand the request.
-    const wire::Decoded<wire::FlareRequest> decoded = wire::DecodeFlareRequest(body);
+    wire::Decoded<wire::FlareRequest> decoded = wire::DecodeFlareRequest(body);
     if (const wire::Refusal* refusal = wire::RefusalOf(decoded)) {
         return Error{refusal->code, refusal->message, refusal->where};
     }
-    const auto& wire_request = std::get<wire::FlareRequest>(decoded);
-    const Result<FlareRequest> request = RequestFromWire(wire_request, context.lenses);
+    auto& wire_request = std::get<wire::FlareRequest>(decoded);
+    const Result<std::optional<EncoderUse>> encoder =
+        TakeFromEncoder(wire_request, context.encoders);
+    if (!encoder) return encoder.error();
+    Result<FlareRequest> request = RequestFromWire(wire_request, context.lenses);
     if (!request) return request.error();
+    if (*encoder) SetTStop(**encoder, wire_request, *request);
 
     Result<Rendering> rendering =
         Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms});
@@ -66,6 +71,10 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     facts.id = report_id;
     facts.request_hash = RequestHash(wire_request, *request).hex();
     AddFactAttributes(*request, report.facts, facts.request_hash, image);
+    if (*encoder) {
+        AddEncoderAttributes(**encoder, image);
+        facts.encoder = &**encoder;
+    }
     const double start_ms = context.now_ms();
     Picture picture = Encode(image, format, wire_request.output, context);
     facts.encode_ms = context.now_ms() - start_ms;

@@ -14,6 +14,7 @@
 #include "core/base/result.h"
 #include "core/base/spare_bytes.h"
 #include "core/mesh/mesh_provider.h"
+#include "server/encoder/encoder_set.h"
 #include "server/lens_library.h"
 
 namespace flare {
@@ -25,8 +26,9 @@ struct ServiceContext {
     ThreadPool& threads;
     MeshProvider& meshes;
     CancelToken cancel;
-    std::function<double()> now_ms;  // monotonic
-    SpareBytes* spare = nullptr;     // where replies have their memory from, or none
+    std::function<double()> now_ms;        // monotonic
+    SpareBytes* spare = nullptr;           // where replies have their memory from, or none
+    const EncoderSet* encoders = nullptr;  // that requests may name; null: none
 };
 
 // Counted once a request for /metrics.

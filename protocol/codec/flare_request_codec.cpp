@@ -83,14 +83,39 @@ bool ReadColor(Reader& reader, const JsonView& root, FlareRequest& request) {
                                          "wavelengths_nm goes with color_space \"spectral\"");
 }
 
+bool ReadEncoder(Reader& reader, const JsonView& root, std::optional<EncoderChoice>& encoder) {
+    const std::optional<JsonView> name = root.Find("encoder");
+    for (const std::string_view other : {"encoder_time", "encoder_max_age_ms"}) {
+        const std::optional<JsonView> member = root.Find(other);
+        if (member && !name) {
+            return reader.Refuse(*member, "bad_value",
+                                 std::string(other) + " goes with \"encoder\"");
+        }
+    }
+    if (!name) return true;
+    EncoderChoice& choice = encoder.emplace();
+    return reader.Text(*name, limits::kNameBytes, choice.name) &&
+           IfGiven(root, "encoder_time",
+                   [&](const JsonView& v) {
+                       return reader.Number(v, FromUpTo(0.0, limits::kMaxEncoderTime_s),
+                                            choice.time_s.emplace());
+                   }) &&
+           IfGiven(root, "encoder_max_age_ms", [&](const JsonView& v) {
+               return reader.Number(v, FromUpTo(0.0, limits::kMaxEncoderAge_ms),
+                                    choice.max_age_ms.emplace());
+           });
+}
+
 bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
     std::optional<JsonView> image, lights;
-    return reader.Object(root,
-                         {"lens", "prescription", "coatings", "f_number", "focus_m", "zoom_mm",
-                          "iris", "image", "lights", "layers", "units", "color_space",
-                          "wavelengths_nm", "quality", "model", "output"},
-                         {"encoder", "starburst"}) &&
-           ReadLensChoice(reader, root, request.lens) &&
+    return reader.Object(
+               root,
+               {"lens", "prescription", "coatings", "f_number", "focus_m", "zoom_mm", "iris",
+                "image", "lights", "layers", "units", "color_space", "wavelengths_nm", "quality",
+                "model", "output", "encoder", "encoder_time", "encoder_max_age_ms"},
+               {"starburst"}) &&
+           ReadEncoder(reader, root, request.encoder) &&
+           ReadLensChoice(reader, root, request.lens, request.encoder.has_value()) &&
            IfGiven(root, "iris",
                    [&](const JsonView& v) { return ReadIris(reader, v, request.iris); }) &&
            reader.Require(root, "image", image) && ReadImage(reader, *image, request.image) &&

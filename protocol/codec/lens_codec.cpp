@@ -77,10 +77,10 @@ bool ReadSetting(Reader& reader, const JsonView& at, double limit, std::optional
 
 }  // namespace
 
-bool ReadLensChoice(Reader& reader, const JsonView& root, LensChoice& choice) {
+bool ReadLensChoice(Reader& reader, const JsonView& root, LensChoice& choice, bool lens_may_lack) {
     const std::optional<JsonView> lens = root.Find("lens");
     const std::optional<JsonView> prescription = root.Find("prescription");
-    if (!lens && !prescription) {
+    if (!lens && !prescription && !lens_may_lack) {
         return reader.RefuseMember(root, "lens", "missing_field",
                                    "neither \"lens\" nor \"prescription\" is there");
     }

@@ -9,6 +9,8 @@
 
 namespace flare::wire {
 
-bool ReadLensChoice(Reader& reader, const JsonView& root, LensChoice& choice);
+// `lens_may_lack`: something else may name the lens.
+bool ReadLensChoice(Reader& reader, const JsonView& root, LensChoice& choice,
+                    bool lens_may_lack = false);
 
 }  // namespace flare::wire

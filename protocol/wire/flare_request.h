@@ -62,8 +62,16 @@ struct Output {
     PixelType pixel = PixelType::kHalf;
 };
 
+// A live lens encoder in place of numbers.
+struct EncoderChoice {
+    std::string name;
+    std::optional<double> time_s;      // Unix time; absent: now
+    std::optional<double> max_age_ms;  // absent: any
+};
+
 struct FlareRequest {
     LensChoice lens;
+    std::optional<EncoderChoice> encoder;
     Iris iris;
     Image image;
     std::vector<Light> lights;

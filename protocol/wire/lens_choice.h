@@ -25,7 +25,7 @@ struct Coatings {
     bool own() const { return !none && !default_name && surfaces.empty(); }
 };
 
-// Exactly one of name and prescription is there.
+// Exactly one of name and prescription is there, or, in a request with an encoder, perhaps none.
 struct LensChoice {
     std::optional<std::string> name;  // of the library
     std::optional<JsonTree> prescription;

@@ -21,6 +21,7 @@ int Run(int argc, const char* const* argv) {
     AddGlassCommands(app, exit_code);
     AddGhostsCommand(app, exit_code);
     AddTraceCommand(app, exit_code);
+    AddEncoderCommands(app, exit_code);
     AddCompareCommand(app, exit_code);
     try {
         app.parse(argc, argv);

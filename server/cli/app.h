@@ -25,6 +25,7 @@ void AddLensCommands(CLI::App& app, int& exit_code);
 void AddGlassCommands(CLI::App& app, int& exit_code);
 void AddGhostsCommand(CLI::App& app, int& exit_code);
 void AddTraceCommand(CLI::App& app, int& exit_code);
+void AddEncoderCommands(CLI::App& app, int& exit_code);
 void AddCompareCommand(CLI::App& app, int& exit_code);
 
 }  // namespace flare::cli

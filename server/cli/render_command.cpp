@@ -5,8 +5,10 @@
 
 #include "protocol/client/client.h"
 #include "protocol/codec/json_document.h"
+#include "protocol/codec/json_writer.h"
 #include "protocol/limits.h"
 #include "server/cli/app.h"
+#include "server/cli/encoder_view.h"
 #include "server/cli/files.h"
 #include "server/cli/progress.h"
 #include "server/service.h"
@@ -20,6 +22,8 @@ struct RenderOptions {
     std::string server;
     std::string report;
     std::string lenses;
+    std::string encoder;
+    std::string config;
     int threads = ThreadsOfThisMachine();
 };
 
@@ -48,11 +52,15 @@ int WriteResults(const RenderOptions& options, const std::string& bytes,
 int RenderHere(const RenderOptions& options, const std::string& body, const Format& format) {
     const Result<LensLibrary> library = OpenLibrary(options.lenses);
     if (!library) return Complain("", library.error());
+    Result<std::unique_ptr<EncoderSet>> encoders = StartEncoders(options.config);
+    if (!encoders) return Complain("", encoders.error());
+    WaitForStates(**encoders);
     ThreadPool threads(options.threads);
     TracingMeshProvider meshes;
     std::optional<Progress> progress(std::in_place, "rendering");
     const Result<ServiceReply> reply =
-        ServeFlare(body, format.format, "", {*library, threads, meshes, CancelToken(), NowMs});
+        ServeFlare(body, format.format, "",
+                   {*library, threads, meshes, CancelToken(), NowMs, encoders->get()});
     progress.reset();
     if (!reply) return Complain(options.request, reply.error());
     return WriteResults(options, reply->bytes, reply->report);
@@ -124,6 +132,23 @@ int RenderThere(const RenderOptions& options, const std::string& body, const For
     return WriteResults(options, reply.body, *report);
 }
 
+// The request with the member "encoder" in front. One that is no object is left as it is, to be
+// refused as such.
+Result<std::string> WithEncoder(const std::string& body, const std::string& name) {
+    const auto parsed = wire::JsonDocument::Parse(body);
+    const auto* document = std::get_if<wire::JsonDocument>(&parsed);
+    if (!document || document->root().kind() != wire::JsonKind::kObject) return body;
+    if (document->root().Find("encoder")) {
+        return Error{"bad_value", "the request names an encoder, and so does --encoder",
+                     "/encoder"};
+    }
+    wire::JsonWriter quoted(wire::JsonWriter::Style::kCompact);
+    quoted.Value(name);
+    std::string member = "\"encoder\":" + quoted.Take();
+    if (document->root().child_count() > 0) member += ',';
+    return std::string(body).insert(body.find('{') + 1, member);
+}
+
 int Render(const RenderOptions& options) {
     const Result<Format> format = FormatOf(options.output);
     if (!format) return Complain(options.output, format.error());
@@ -131,8 +156,12 @@ int Render(const RenderOptions& options) {
         return Complain("",
                         {"bad_value", "picture and report cannot both go to standard output", ""});
     }
-    const Result<std::string> body = ReadInput(options.request);
+    Result<std::string> body = ReadInput(options.request);
     if (!body) return Complain("", body.error());
+    if (!options.encoder.empty()) {
+        body = WithEncoder(*body, options.encoder);
+        if (!body) return Complain(options.request, body.error());
+    }
     return options.server.empty() ? RenderHere(options, *body, *format)
                                   : RenderThere(options, *body, *format);
 }
@@ -165,6 +194,16 @@ void AddRenderCommand(CLI::App& app, int& exit_code) {
         ->type_name("FILE");
     command->add_option("--lenses", options->lenses, "The folder of lens files")
         ->type_name("DIR")
+        ->excludes(server);
+    command
+        ->add_option("--encoder", options->encoder,
+                     "Take focus, iris and zoom from this lens encoder: one of the daemon's, or of "
+                     "--config")
+        ->type_name("NAME");
+    command
+        ->add_option("--config", options->config,
+                     "A daemon's configuration, for its encoders; they run while this command does")
+        ->type_name("FILE")
         ->excludes(server);
     command->add_option("--threads", options->threads, "Threads to render with")
         ->check(CLI::Range(1, 256))

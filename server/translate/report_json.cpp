@@ -30,6 +30,19 @@ void TextMember(JsonWriter& json, std::string_view name, const std::string& text
     if (!text.empty()) json.Member(name, text);
 }
 
+// The state as it was measured; what the lens made of it stands under "state" and "f_number".
+void WriteEncoder(JsonWriter& json, const EncoderUse& use) {
+    const LensReading& reading = use.timed.reading;
+    json.Key("encoder").BeginInlineObject().Member("name", use.name).Member("kind", use.kind);
+    json.Member("time_s", use.timed.time_s).Member("age_ms", use.age_ms);
+    if (const auto& focus = reading[LensAxis::kFocus]) json.Member("focus_m", *focus);
+    if (const auto& iris = reading[LensAxis::kIris]) {
+        json.Member(reading.iris_is_t_stop ? "t_stop" : "f_number", *iris);
+    }
+    if (const auto& zoom = reading[LensAxis::kZoom]) json.Member("zoom_mm", *zoom);
+    json.End();
+}
+
 void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& report,
                const ReplyFacts& reply) {
     TextMember(json, "id", reply.id);
@@ -44,6 +57,7 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     WriteOptional(json, report.facts.zoom_mm);
     json.End();
     json.Member("f_number", report.facts.f_number);
+    if (reply.encoder) WriteEncoder(json, *reply.encoder);
     json.Member("saturated_pixels", report.facts.saturated_pixels);
     json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
     const EstimatedError& error = report.facts.estimated_error;

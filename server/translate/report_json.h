@@ -9,6 +9,7 @@
 #include "core/image/flare_image.h"
 #include "core/render/flare_request.h"
 #include "core/render/report.h"
+#include "server/translate/encoder_use.h"
 
 namespace flare {
 
@@ -21,6 +22,7 @@ struct ReplyFacts {
     std::uint64_t bytes = 0;  // of the encoded picture
     double encode_ms = 0.0;
     int threads = 1;
+    const EncoderUse* encoder = nullptr;  // whose state was used; null: none
 };
 
 // The whole report, readable.

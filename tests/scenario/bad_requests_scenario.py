@@ -124,7 +124,7 @@ BODIES = [
     (changed(wavelengths_nm=[550]), 400, "bad_value", "/wavelengths_nm"),
     # In the contract, not built yet.
     (changed(layers=["starburst"]), 400, "unsupported", "/layers/0"),
-    (changed(encoder="follow-focus"), 400, "unsupported", "/encoder"),
+    (changed(encoder="follow-focus"), 404, "unknown_encoder", "/encoder"),
     (changed(color_space="acescg"), 400, "unsupported", "/color_space"),
     (changed(quality={"max_error": 0.02}), 400, "unsupported", "/quality/max_error"),
     (changed(quality={"time_budget_ms": 40}), 400, "unsupported", "/quality/time_budget_ms"),
@@ -187,7 +187,6 @@ REQUESTS = [
     ("POST", "/v1/warm", {}, with_light(direction=[0, 0, 1], distance_m=0.005), 400, "bad_value",
      "/lights/0/distance_m"),
     ("GET", "/v1/live", {}, None, 501, "unsupported", ""),
-    ("GET", "/v1/encoders", {}, None, 501, "unsupported", ""),
     ("GET", "/", {}, None, 501, "unsupported", ""),
 ]
 

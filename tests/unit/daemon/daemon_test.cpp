@@ -98,6 +98,10 @@ class DaemonTest : public testing::Test {
         services.lens_list = "{\"lenses\":[]}";
         services.openapi = "openapi: 3.1.0\n";
         services.cache = [] { return CacheReadings{{.hits = 7, .misses = 3}, 12345, {.hits = 2}}; };
+        services.encoders = [] { return std::string("{\"encoders\":[]}"); };
+        services.encoder_counts = [] {
+            return std::vector<EncoderCounts>{{"A-cam", true, 42, {{"bad_data", 3}}}};
+        };
         return services;
     }
 
@@ -167,6 +171,10 @@ TEST_F(DaemonTest, ServesTheSmallRoutes) {
     EXPECT_EQ(Get("/healthz").status, 200);
     EXPECT_EQ(Get("/readyz").status, 200);
     EXPECT_EQ(Get("/v1/lenses").body, "{\"lenses\":[]}");
+    EXPECT_EQ(Get("/v1/encoders").body, "{\"encoders\":[]}");
+    EXPECT_EQ(Metric("flared_encoder_connected{name=\"A-cam\"}"), 1.0);
+    EXPECT_EQ(Metric("flared_encoder_samples_total{name=\"A-cam\"}"), 42.0);
+    EXPECT_EQ(Metric("flared_encoder_faults_total{name=\"A-cam\",kind=\"bad_data\"}"), 3.0);
     EXPECT_EQ(Get("/v1/lenses/known").body, "{\"name\":\"known\"}");
     EXPECT_EQ(Get("/v1/lenses/kn%6Fwn").body, "{\"name\":\"known\"}");
     EXPECT_EQ(Get("/v1/lenses/known?zoom_mm=85").body, "85.000000");
@@ -205,7 +213,7 @@ TEST_F(DaemonTest, RefusesWithStatusAndCode) {
         {{.method = "BREW", .target = "/healthz"}, 405, "method_not_allowed", ""},
         {{.target = "/"}, 501, "unsupported", ""},
         {{.target = "/v1/live"}, 501, "unsupported", ""},
-        {{.target = "/v1/encoders"}, 501, "unsupported", ""},
+        {{.target = "/v1/encoders?x=1"}, 400, "bad_query", "?"},
         {{.method = "PUT", .target = "/v1/warm/x"}, 405, "method_not_allowed", ""},
         {{.target = "/v1/warm/x"}, 404, "not_found", ""},
         {{.target = "/healthz?x=1"}, 400, "bad_query", "?"},

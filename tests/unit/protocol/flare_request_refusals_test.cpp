@@ -335,7 +335,15 @@ const BadRequest kLightsTable[] = {
 };
 
 const BadRequest kNotBuilt[] = {
-    {"encoder", With(R"("encoder":"a")"), "unsupported", "/encoder"},
+    {"encoder_of_a_wrong_type", With(R"("encoder":1)"), "bad_type", "/encoder"},
+    {"encoder_without_a_name", With(R"("encoder":"")"), "bad_value", "/encoder"},
+    {"encoder_time_alone", With(R"("encoder_time":1)"), "bad_value", "/encoder_time"},
+    {"encoder_max_age_ms_alone", With(R"("encoder_max_age_ms":1)"), "bad_value",
+     "/encoder_max_age_ms"},
+    {"encoder_max_age_ms_below_0", With(R"("encoder":"a","encoder_max_age_ms":-1)"), "bad_value",
+     "/encoder_max_age_ms"},
+    {"encoder_time_too_late", With(R"("encoder":"a","encoder_time":1e12)"), "limit",
+     "/encoder_time"},
     {"iris_mask", With(R"("iris":{"mask":"AAAA"})"), "unsupported", "/iris/mask"},
     {"starburst_layer", With(R"("layers":["ghosts","starburst"])"), "unsupported", "/layers/1"},
     {"bokeh_layer", With(R"("layers":["bokeh"])"), "unsupported", "/layers/0"},

@@ -39,6 +39,7 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         {"", "quality", R"({"preset":"draft"})"},
         {"", "model", "{}"},
         {"", "output", "{}"},
+        {"", "encoder", R"("A-cam")"},
         {"coatings", "default", R"("bare")"},
         {"coatings", "surfaces", R"({"3":"bare"})"},
         {"model", "reflections", "4"},
