@@ -38,6 +38,7 @@ LIBRARIES = [
     ("spdlog", r"(spdlog|fmt)/", r"server/"),
     ("CLI11", r"CLI/", r"server/"),
     ("Imath", r"Imath/", r"core/"),
+    ("pugixml", r"pugi", r"core/lens_import/openlensflare_reader\.cpp"),
 ]
 
 # The core knows no file, clock, log or socket: readers take bytes, writers return bytes.

@@ -20,6 +20,7 @@ void AddLensCommands(CLI::App& app, int& exit_code) {
     AddLensList(*lens, exit_code);
     AddLensShow(*lens, exit_code);
     AddLensCheck(*lens, exit_code);
+    AddLensImport(*lens, exit_code);
     AddLensDraw(*lens, exit_code);
 }
 

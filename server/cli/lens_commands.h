@@ -12,6 +12,7 @@ namespace flare::cli {
 void AddLensList(CLI::App& lens, int& exit_code);
 void AddLensShow(CLI::App& lens, int& exit_code);
 void AddLensCheck(CLI::App& lens, int& exit_code);
+void AddLensImport(CLI::App& lens, int& exit_code);
 void AddLensDraw(CLI::App& lens, int& exit_code);
 
 }  // namespace flare::cli

@@ -136,18 +136,32 @@ const Known kKnown[] = {
     {"angenieux-retrofocus-35mm-f2_5", 12, 35.3255, 37.0708, {}},
     {"canon-600mm-f4", 31, 585.3345, 103.2896, {}},
     {"canon-85mm-f1_2-spherical", 17, 85.0038, 38.3503, {"rim"}},
+    {"canon-retrofocus-14mm-f2_8", 26, 14.2794, 36.3015, {}},
     {"canon-rf-85mm-f1_2", 24, 86.5264, 14.9009, {"rim"}},
+    {"canon-serenar-50mm-f1_8", 11, 49.9876, 25.4181, {}},
+    {"canon-zoom-200-400mm-f4-at-205mm", 44, 204.9911, 68.4566, {}},
     {"canon-zoom-70-200mm-f2_8", 34, 72.0912, 52.5028, {}},
+    {"cooke-speed-panchro-25mm-f2", 11, 25.9588, 19.6578, {}},
     {"kodak-petzval-100mm-f2_2", 8, 99.9712, 56.4963, {}},
     {"kreitzer-telephoto-400mm-f5_6", 13, 400.9275, 76.1486, {}},
+    {"leica-summicron-50mm-f2", 11, 50.0149, 29.4568, {}},
+    {"minolta-fisheye-16mm-f2_8", 17, 16.0025, 37.1934, {}},
+    {"nikon-24mm-f2_8", 17, 23.9987, 37.4363, {}},
+    {"nikon-85mm-f1_4", 13, 85.0112, 42.6451, {}},
     {"nikon-zoom-80-200mm-f2_8", 22, 80.0886, 40.2265, {}},
+    {"petzval-portrait-86mm-f3_4", 8, 86.1902, 50.3818, {}},
+    {"sasian-triplet-50mm-f4", 7, 50.0003, 41.2371, {}},
     {"schneider-anamorphic-31mm-f2", 19, 60.5546, 43.3545, {}},
     {"shimizu-fisheye-6mm-f2_8-220deg", 24, 6.2955, 37.6576, {"semi_diameter", "v_number"}},
+    {"textbook-cooke-triplet-50mm-f5", 7, 50.0216, 42.4367, {}},
+    {"textbook-heliar-100mm-f5", 9, 100.0653, 85.2103, {}},
     {"tronnier-color-heliar-100mm-f3_5", 9, 100.5941, 82.5977, {}},
     {"tronnier-double-gauss-50mm-f2", 11, 50.3582, 36.1059, {}},
     {"zeiss-biogon-35mm-f2_8", 12, 34.7106, 15.7599, {}},
+    {"zeiss-biotar-50mm-f1_4", 11, 49.9567, 32.6643, {"rim"}},
     {"zeiss-master-prime-100mm-t1_3", 23, 99.7949, 40.1221, {}},
     {"zeiss-master-prime-50mm-t1_3", 24, 49.9926, 35.9824, {"rim"}},
+    {"zeiss-sonnar-50mm-f2", 10, 50.0148, 24.1830, {}},
 };
 
 INSTANTIATE_TEST_SUITE_P(Files, LibraryLens, ::testing::ValuesIn(kKnown));
@@ -197,8 +211,9 @@ TEST(LibraryLenses, TheSeedLensFileIsTheSeedLens) {
     EXPECT_EQ((*lens)->fingerprint(), seed->fingerprint());
 }
 
-TEST(LibraryLenses, OnlyTheFisheyeIsAFisheye) {
+TEST(LibraryLenses, OnlyTheFisheyesAreFisheyes) {
     EXPECT_TRUE(ReadFile("shimizu-fisheye-6mm-f2_8-220deg")->fisheye);
+    EXPECT_TRUE(ReadFile("minolta-fisheye-16mm-f2_8")->fisheye);
     EXPECT_FALSE(ReadFile("tronnier-double-gauss-50mm-f2")->fisheye);
 }
 

@@ -67,6 +67,24 @@ void Diverge(Prescription& lens) {
     lens.surfaces[2].where = "#2";
 }
 
+void SetUnknownGlass(Prescription& lens) {
+    lens.surfaces[0].glass = "N-BK99";
+    lens.surfaces[0].nd.reset();
+    lens.surfaces[0].vd.reset();
+}
+
+void BendTooFar(Prescription& lens) {
+    lens.surfaces[1].kind = SurfaceKind::kAsphere;
+    lens.surfaces[1].asphere = {1e-2};
+}
+
+void TakeGlassOut(Prescription& lens) {
+    for (SurfacePrescription& surface : lens.surfaces) {
+        surface.nd.reset();
+        surface.vd.reset();
+    }
+}
+
 constexpr Severity kWarning = Severity::kWarning;
 constexpr Severity kError = Severity::kError;
 
@@ -110,6 +128,46 @@ INSTANTIATE_TEST_SUITE_P(
             "focal_mm"},
         Lie{"a name with blanks", [](Prescription& l) { l.name = "My Lens"; }, kWarning, "name", "",
             "My Lens"},
+        Lie{"an index below 1", [](Prescription& l) { l.surfaces[2].nd = 0.9; }, kError, "index",
+            "#2", "0.9"},
+        Lie{"a gap below 0", [](Prescription& l) { l.surfaces[3].gap_mm = -1.0; }, kError, "gap",
+            "#3", "-1"},
+        Lie{"a V-number of no glass", [](Prescription& l) { l.surfaces[0].vd = 4.71; }, kError,
+            "v_number", "#0", "4.71"},
+        Lie{"a glass nobody makes", SetUnknownGlass, kError, "glass", "#0", "N-BK99"},
+        Lie{"a glass and its index", [](Prescription& l) { l.surfaces[0].glass = "SCHOTT N-BK7"; },
+            kError, "glass", "#0", "together with nd"},
+        Lie{"a radius too small to be one", [](Prescription& l) { l.surfaces[7].radius_mm = 1e-9; },
+            kError, "radius", "#7", "1e-09"},
+        Lie{"a stop with a radius", [](Prescription& l) { l.surfaces[5].radius_mm = 40.0; }, kError,
+            "radius", "#5", "flat"},
+        Lie{"a rim of no width", [](Prescription& l) { l.surfaces[6].semi_diameter_mm = 0.0; },
+            kError, "semi_diameter", "#6", "semi-diameter 0 mm"},
+        Lie{"a conic constant of a sphere", [](Prescription& l) { l.surfaces[1].conic = -1.0; },
+            kError, "asphere", "#1", "sphere"},
+        Lie{"an asphere off by a power of ten", BendTooFar, kError, "asphere", "#1",
+            "wrong by a power of ten"},
+        Lie{"a stop between air and glass", [](Prescription& l) { l.surfaces[5].nd = 1.5; }, kError,
+            "stop_medium", "#5", "a stop does not refract"},
+        Lie{"a coated stop", [](Prescription& l) { l.surfaces[5].coating = "mgf2-550"; }, kError,
+            "coating", "#5", "nothing to coat"},
+        Lie{"a coating nobody knows", [](Prescription& l) { l.surfaces[0].coating = "magic"; },
+            kError, "coating", "#0", "magic"},
+        Lie{"a mirror that is no sensor", [](Prescription& l) { l.surfaces[1].reflectance = 0.5; },
+            kError, "sensor", "#1", "reflectance"},
+        Lie{"two stops",
+            [](Prescription& l) { l.surfaces.insert(l.surfaces.begin() + 5, l.surfaces[5]); },
+            kError, "several_stops", "#5", "a second aperture stop"},
+        Lie{"glass up to the sensor", [](Prescription& l) { l.surfaces.back().nd = 1.5; }, kError,
+            "last_medium", "#10", "1.5"},
+        Lie{"no glass at all", TakeGlassOut, kError, "no_glass", "", "refracts"},
+        Lie{"a hundred and ten surfaces",
+            [](Prescription& l) { l.surfaces.insert(l.surfaces.begin(), 99, l.surfaces[1]); },
+            kError, "surface_count", "", "110"},
+        Lie{"no surface", [](Prescription& l) { l.surfaces.clear(); }, kError, "no_surface", "",
+            "no surfaces"},
+        Lie{"a sensor in the glass", [](Prescription& l) { SetSensor(l, 0.0); }, kError, "gap",
+            "#10", "touches"},
         Lie{"a virtual focus", Diverge, kError, "first_order", "#2",
             "in front of the last vertex"}));
 
