@@ -22,6 +22,7 @@
 #include "core/render/lights.h"
 #include "core/render/picture.h"
 #include "core/render/quality.h"
+#include "core/render/starburst_layer.h"
 #include "core/render/tile_picture.h"
 #include "core/tracing/chief_ray.h"
 
@@ -72,6 +73,9 @@ class Job {
           planner_(request, iris_, SceneFactor(), context.threads),
           error_(lens_, settings_, spectral_),
           window_(DataWindow(request.image)) {
+        if (request.layers.starburst) {
+            starburst_.emplace(request, stop_.semi_diameter_mm, window_);
+        }
         if (!settings_.tiles || spectral_) {
             picture_.emplace(window_,
                              spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0);
@@ -99,7 +103,11 @@ class Job {
             reported_ = report_.facts.lights.size() < kMostReportedLights;
             if (reported_) AddLightFacts(light);
             if (std::optional<Error> error = DrawLight(light)) return *error;
+            if (starburst_) starburst_->Add(light, context_.threads, context_.cancel);
+            if (context_.cancel.cancelled())
+                return Error{"cancelled", "the work was cancelled", ""};
         }
+        if (starburst_) report_.facts.starburst = starburst_->facts();
         for (std::size_t i = 0; i < drawn_.size(); ++i) {
             if (!lights.empty() && !drawn_[i]) report_.facts.ghosts[i].model = "culled";
         }
@@ -135,6 +143,7 @@ class Job {
             facts.clamped.push_back("/f_number: " + std::to_string(*request_.f_number) + " -> " +
                                     std::to_string(stop_.f_number));
         }
+        if (!request_.layers.ghosts) return;
         for (const BounceSequence& sequence : sequences_) {
             facts.ghosts.push_back({sequence, "geometric", 0.0});
         }
@@ -169,6 +178,7 @@ class Job {
     std::optional<Error> DrawLight(const PlacedLight& light) {
         const Vec3d& e = light.irradiance;
         if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return std::nullopt;
+        if (!request_.layers.ghosts) return std::nullopt;
         std::vector<std::size_t> ghosts_of_light(sequences_.size());
         std::iota(ghosts_of_light.begin(), ghosts_of_light.end(), std::size_t{0});
         if (request_.model.reflections == 4) {
@@ -386,7 +396,8 @@ class Job {
 
         if (tile_picture_) tile_picture_->Finish(context_.threads);
         const int planes = picture_ ? picture_->channel_count() : 3;
-        image.planes.resize(static_cast<std::size_t>(planes) * 2);
+        const bool ghosts = request_.layers.ghosts;
+        image.planes.resize(static_cast<std::size_t>(planes) * (ghosts ? 2 : 1));
         context_.threads.For(planes, [&](int p) {
             static const char* const kRgb[] = {"R", "G", "B"};
             const auto n = static_cast<std::size_t>(p);
@@ -395,8 +406,10 @@ class Job {
             root.name = name;
             root.values =
                 tile_picture_ ? tile_picture_->Channel(p, scale) : picture_->Channel(p, scale);
+            if (!ghosts) return;
             image.planes[n + static_cast<std::size_t>(planes)] = {"ghosts." + name, root.values};
         });
+        if (starburst_) starburst_->AppendTo(image, scale);
         report_.work.resolve_ms = context_.now_ms() - t0;
         return image;
     }
@@ -420,6 +433,7 @@ class Job {
     // One of the two.
     std::optional<Picture> picture_;
     std::optional<TilePicture> tile_picture_;
+    std::optional<StarburstLayer> starburst_;
     Report report_;
     bool reported_ = true;  // the light at hand stands in the report
 };

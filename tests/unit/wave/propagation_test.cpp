@@ -84,7 +84,7 @@ TEST(KnifeEdge, HasTheFresnelIntegralsFringes) {
 TEST(CircularAperture, OnItsAxisIsRightToAThousandthOfThePeak) {
     ThreadPool threads(1);
     const WaveField disc = Disc(1024, 2.5);
-    for (const double fresnel_number : {0.1, 0.5, 1.0, 2.0, 3.3, 8.0, 17.0, 31.5, 49.0, 64.0}) {
+    for (const double fresnel_number : {0.1, 1.0, 3.3, 17.0, 31.5, 49.0, 64.0}) {
         const double z = 1.0 / (kWavelength_mm * fresnel_number);
         const double expected = 4.0 * std::pow(std::sin(0.5 * kPi * fresnel_number), 2);
         const WaveField out = Propagate(disc, kWavelength_mm, z, Propagator::kChirp, threads);
