@@ -17,7 +17,7 @@ namespace {
 constexpr double kMmPerNm = 1e-6;
 constexpr double kTurn_rad = 1e-4;  // of a light, to see how its image moves
 constexpr int kRows = 16;           // of a strip
-// The near pattern's transform: fringes are resolved up to D k = side / 16.
+// The near pattern's transform: fringes are resolved up to D k = 0.0375 side.
 constexpr int kSide = 1024, kFineSide = 2048;
 constexpr double kBluest_nm = 430.0;   // of what counts in a colour
 constexpr double kLeastEdge_px = 2.5;  // of the near pattern

@@ -6,7 +6,7 @@
 // patterns (their light over the sum of their areas).
 //
 // Frequencies k are the inverse of the outline's unit. The pattern is normalised: over all k it
-// holds 1. Valid for |k| up to limit(); about D k = 64 with `side` 1024 and 128 with 2048, D being
+// holds 1. Valid for |k| up to limit(); about D k = 38 with `side` 1024 and 77 with 2048, D being
 // the aperture's larger extent.
 #pragma once
 
@@ -42,6 +42,7 @@ class NearPattern {
 
   private:
     void RemoveCore(const std::vector<ApertureOutline>& outlines, bool without_core);
+    void ToCellMeans(std::size_t step);
     void SumUp();
 
     int side_;

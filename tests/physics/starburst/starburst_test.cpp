@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The starburst as a picture, against closed forms: Airy's pattern in absolute light, spikes by
-// blades, energy whatever the pixels, and the beam's outline against another method.
+// blades, energy whatever the pixels, the beam's outline, and a disc against many points.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -144,6 +144,54 @@ TEST(BeamOutline, HasTheAreaThatChordsOfRaysMeasure) {
             EXPECT_NEAR(BeamTransmittance(*lens, bundle, *beam, kLineD), *row.transmittance, 3e-3);
         }
     }
+}
+
+TEST(Starburst, OfADiscIsThatOfManyPoints) {
+    Studio studio;
+    FlareRequest request = Starburst(5.6, 120, 120, 6.0);
+    request.iris = {5, 0.0, 0.0};
+    request.lights = {LightAt(1.0)};
+    request.lights[0].angular_diameter_deg = 1.0;
+    const Rendering shot = studio.Shoot(request);
+    const FlareImage& disc = shot.image;
+    const Vec2d at = shot.report.facts.lights.at(0).pixel;
+    FlareRequest points = request;
+    points.lights.clear();
+    constexpr int kPoints = 40;
+    for (int i = 0; i < kPoints; ++i) {
+        // Evenly over the disc (a sunflower's spiral).
+        const double r = RadiansFromDegrees(0.5) * std::sqrt((i + 0.5) / kPoints);
+        const double angle = i * kPi * (3.0 - std::sqrt(5.0));
+        const double tilt = RadiansFromDegrees(1.0) + r * std::cos(angle);
+        LightSpec light;
+        light.direction = Vec3d(-std::tan(tilt), -std::tan(r * std::sin(angle)), 1.0);
+        light.irradiance = Vec3d(1.0, 1.0, 1.0) / kPoints;
+        points.lights.push_back(light);
+    }
+    const FlareImage many = studio.Shoot(points).image;
+    // Off the disc, in blocks of 8 x 8 pixels: the points are 3 apart.
+    double difference = 0.0, sum = 0.0;
+    for (int j = 0; j < 120; j += 8) {
+        for (int i = 0; i < 120; i += 8) {
+            if (std::hypot(i + 4 - at.x, j + 4 - at.y) < 18.0) continue;
+            double a = 0.0, b = 0.0;
+            for (int k = 0; k < 64; ++k) {
+                const auto n = static_cast<std::size_t>((j + k / 8) * 120 + i + k % 8);
+                a += Values(disc)[n];
+                b += Values(many)[n];
+            }
+            difference += std::abs(a - b);
+            sum += b;
+        }
+    }
+    EXPECT_LT(difference, 0.06 * sum);
+    EXPECT_GT(sum * Pitch(request) * Pitch(request), 1e-4 * Light(points, many));
+    // The disc itself: what a geometric image of it would be, all but the light in its tails.
+    const double radius = RadiansFromDegrees(0.5) * request.lens->first_order().efl_mm;
+    const double middle = Values(
+        disc)[static_cast<std::size_t>(static_cast<int>(at.y) * 120 + static_cast<int>(at.x))];
+    EXPECT_NEAR(middle, Light(request, disc) / (kPi * radius * radius), 0.03 * middle);
+    EXPECT_NEAR(Light(request, disc), Light(points, many), 0.003 * Light(points, many));
 }
 
 // Without a core the direct image is gone, and nothing else.
