@@ -42,6 +42,12 @@ inline constexpr double kMaxIrradiance = 1e30;  // in the request's own unit
 inline constexpr double kMinDistance_m = 1e-3;
 inline constexpr double kMaxDistance_m = 1e20;  // of the focus, too
 inline constexpr double kMaxPixelCoordinate = 1e6;
+inline constexpr double kMaxAngularDiameter_deg = 20.0;
+
+// The starburst.
+inline constexpr double kMaxJitter_deg = 180.0;
+inline constexpr int kMaxJitterCount = 32;
+inline constexpr int kMaxSeed = 2'147'483'647;
 
 // The lens.
 inline constexpr double kMinFNumber = 1e-3;

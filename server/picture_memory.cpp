@@ -13,6 +13,10 @@ namespace flare {
 namespace {
 
 constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 24;
+// The starburst's own double and float, and its share of the encoder.
+constexpr std::uint64_t kBytesPerStarburstSample = 8 + 4 + 12;
+// Its transform and the tables of a light, whatever the picture's size.
+constexpr std::uint64_t kStarburstBytes = std::uint64_t{192} << 20;
 // The ghosts of one batch with their colour tables, whatever the picture's size.
 constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
 
@@ -32,7 +36,9 @@ std::uint64_t PictureBytes(const wire::FlareRequest& request) {
     const std::uint64_t channels = spectral ? request.wavelengths_nm.size() : 3;
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-    return kBytesPerRequest + pixels * channels * kBytesPerSample;
+    const std::uint64_t ghosts = kBytesPerRequest + pixels * channels * kBytesPerSample;
+    if (!request.layers.starburst) return ghosts;
+    return ghosts + kStarburstBytes + pixels * channels * kBytesPerStarburstSample;
 }
 
 std::uint64_t PictureBytesOfBody(std::string_view body) {

@@ -93,6 +93,29 @@ std::optional<Error> CheckLight(const LightSpec& light, std::size_t index) {
     return std::nullopt;
 }
 
+std::optional<Error> CheckStarburst(const FlareRequest& request) {
+    if (!request.layers.ghosts && !request.layers.starburst)
+        return Bad("/layers", "no layer is asked for");
+    const StarburstSpec& spec = request.starburst;
+    if (!(spec.jitter_deg >= 0.0 && spec.jitter_deg <= kMaxJitter_deg)) {
+        return Bad("/starburst/jitter_deg", "must be 0 to 180");
+    }
+    if (spec.jitter_count < 1 || spec.jitter_count > kMaxJitterCount) {
+        return Bad("/starburst/jitter_count", "must be 1 to " + std::to_string(kMaxJitterCount));
+    }
+    for (std::size_t i = 0; i < request.lights.size(); ++i) {
+        const double diameter = request.lights[i].angular_diameter_deg;
+        const std::string place = "/lights/" + std::to_string(i) + "/angular_diameter_deg";
+        if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
+            return Bad(place, "must be 0 to 20");
+        }
+        if (diameter > 0.0 && request.layers.ghosts) {
+            return Bad(place, "ghosts of lights that are no points are not built", "unsupported");
+        }
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> CheckWavelengths(const FlareRequest& request) {
     if (request.color != ColorMode::kSpectral) return std::nullopt;
     const std::vector<double>& list = request.wavelengths_nm;
@@ -135,6 +158,7 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
         return Bad("/f_number", "must be above 0 and at most 10000");
     }
     if (auto error = CheckModel(request)) return error;
+    if (auto error = CheckStarburst(request)) return error;
     const IrisShape& iris = request.iris;
     if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
         return Bad("/iris/blades", "must be 0 (round) or 3 to 32");

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,12 +51,29 @@ struct ModelSpec {
     CullingRule culling = CullingRule::kAuto;
 };
 
+// What the picture is made of; one at least.
+struct LayerChoice {
+    bool ghosts = true;
+    bool starburst = false;
+};
+
+// How the starburst is drawn.
+struct StarburstSpec {
+    // With the direct image: the pattern inside its first dark ring.
+    bool core = true;
+    // A blade iris that is not steady: the mean over this many turns within +-jitter_deg.
+    double jitter_deg = 0.0;
+    int jitter_count = 8;
+    std::uint64_t seed = 0;
+};
+
 struct LightSpec {
     std::optional<Vec3d>
         direction;               // camera axes (x right, y up, z into the scene), towards the light
     std::optional<Vec2d> pixel;  // or the place in the full frame, from its top left corner
-    std::optional<double> distance_m;  // from the centre of the entrance pupil; absent: infinity
-    Vec3d irradiance{1.0, 1.0, 1.0};   // E0 on a plane perpendicular to the direction, RGB
+    std::optional<double> distance_m;   // from the centre of the entrance pupil; absent: infinity
+    Vec3d irradiance{1.0, 1.0, 1.0};    // E0 on a plane perpendicular to the direction, RGB
+    double angular_diameter_deg = 0.0;  // of its disc; ghosts are those of a point
 };
 
 struct FlareRequest {
@@ -63,6 +81,8 @@ struct FlareRequest {
     LensState state;                        // that it is in, for the record
     std::vector<StateClamp> state_clamped;  // what was asked outside the lens's range
     ModelSpec model;
+    LayerChoice layers;
+    StarburstSpec starburst;
     std::optional<double> f_number;  // absent: the lens's own
     IrisShape iris;
     ImageSpec image;
@@ -79,5 +99,8 @@ inline constexpr int kMaxImageSide = 16'384;
 inline constexpr long long kMaxImagePixels = 1LL << 26;
 inline constexpr int kMaxWavelengths = 1'000;
 inline constexpr double kMaxFourReflectionThreshold = 1e6;
+inline constexpr double kMaxAngularDiameter_deg = 20.0;
+inline constexpr double kMaxJitter_deg = 180.0;
+inline constexpr int kMaxJitterCount = 32;
 
 }  // namespace flare

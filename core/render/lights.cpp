@@ -119,6 +119,7 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     const LightSpec& spec = request.lights[index];
     PlacedLight light;
     light.irradiance = spec.irradiance;
+    light.angular_diameter_rad = RadiansFromDegrees(spec.angular_diameter_deg);
     if (spec.distance_m) light.inverse_distance = 1.0 / (*spec.distance_m * kMmPerMetre);
     if (spec.direction) {
         // Scale first: the squares of tiny or huge components would under- or overflow.

@@ -18,6 +18,7 @@ struct PlacedLight {
     CanonicalPose pose;
     double inverse_distance = 0.0;  // 1/mm from the entrance pupil's centre
     Vec3d irradiance{0.0, 0.0, 0.0};
+    double angular_diameter_rad = 0.0;
 };
 
 // The projection that `pixel` uses for this lens and request.

@@ -22,6 +22,7 @@
 #include "core/render/lights.h"
 #include "core/render/picture.h"
 #include "core/render/quality.h"
+#include "core/render/starburst_layer.h"
 #include "core/render/tile_picture.h"
 #include "core/tracing/chief_ray.h"
 
@@ -72,6 +73,9 @@ class Job {
           planner_(request, iris_, SceneFactor(), context.threads),
           error_(lens_, settings_, spectral_),
           window_(DataWindow(request.image)) {
+        if (request.layers.starburst) {
+            starburst_.emplace(request, stop_.semi_diameter_mm, window_);
+        }
         if (!settings_.tiles || spectral_) {
             picture_.emplace(window_,
                              spectral_ ? static_cast<int>(request.wavelengths_nm.size()) : 0);
@@ -101,7 +105,11 @@ class Job {
             reported_ = report_.facts.lights.size() < kMostReportedLights;
             if (reported_) AddLightFacts(light);
             if (std::optional<Error> error = DrawLight(light)) return *error;
+            if (starburst_) starburst_->Add(light, context_.threads, context_.cancel);
+            if (context_.cancel.cancelled())
+                return Error{"cancelled", "the work was cancelled", ""};
         }
+        if (starburst_) report_.facts.starburst = starburst_->facts();
         for (std::size_t i = 0; i < drawn_.size(); ++i) {
             if (!lights.empty() && !drawn_[i]) report_.facts.ghosts[i].model = "culled";
         }
@@ -137,6 +145,7 @@ class Job {
             facts.clamped.push_back("/f_number: " + std::to_string(*request_.f_number) + " -> " +
                                     std::to_string(stop_.f_number));
         }
+        if (!request_.layers.ghosts) return;
         for (const BounceSequence& sequence : sequences_) {
             facts.ghosts.push_back({sequence, "geometric", 0.0});
         }
@@ -171,6 +180,7 @@ class Job {
     std::optional<Error> DrawLight(const PlacedLight& light) {
         const Vec3d& e = light.irradiance;
         if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return std::nullopt;
+        if (!request_.layers.ghosts) return std::nullopt;
         std::vector<std::size_t> ghosts_of_light(sequences_.size());
         std::iota(ghosts_of_light.begin(), ghosts_of_light.end(), std::size_t{0});
         if (request_.model.reflections == 4) {
@@ -396,13 +406,15 @@ class Job {
                 values[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);
             });
         }
-        image.planes.resize(channels * 2);
+        image.planes.resize(channels * (request_.layers.ghosts ? 2 : 1));
         for (std::size_t c = 0; c < channels; ++c) {
             static const char* const kRgb[] = {"R", "G", "B"};
             const std::string name = spectral_ ? SpectralName(request_.wavelengths_nm[c]) : kRgb[c];
             image.planes[c] = {name, std::move(values[c])};
+            if (!request_.layers.ghosts) continue;
             image.planes[channels + c] = {"ghosts." + name, image.planes[c].values};
         }
+        if (starburst_) starburst_->AppendTo(image, scale);
         report_.work.resolve_ms = context_.now_ms() - t0;
         return image;
     }
@@ -426,6 +438,7 @@ class Job {
     // One of the two.
     std::optional<Picture> picture_;
     std::optional<TilePicture> tile_picture_;
+    std::optional<StarburstLayer> starburst_;
     Report report_;
     bool reported_ = true;  // the light at hand stands in the report
 };

@@ -56,6 +56,15 @@ struct EstimatedError {
     double pieces = 0.0;      // cells cut up
 };
 
+// The starburst layer; sums over the lights.
+struct StarburstFacts {
+    bool core = true;          // the direct image is in it
+    std::uint64_t lights = 0;  // whose direct image reaches the sensor plane
+    double flux_mm2 = 0.0;    // of their patterns per unit E0, core included, at the d line (or the
+                              // first wavelength of a spectral request)
+    double core_share = 0.0;  // of that flux, inside the first dark ring
+};
+
 struct Facts {
     std::optional<double> focus_m, zoom_mm;  // absent: infinity; not a zoom
     double squeeze = 1.0;                    // of an anamorphic lens
@@ -70,6 +79,7 @@ struct Facts {
     CullingFacts culling;
     EstimatedError estimated_error;
     std::optional<FourReflectionFacts> four_reflections;
+    std::optional<StarburstFacts> starburst;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder

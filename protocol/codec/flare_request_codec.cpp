@@ -16,20 +16,38 @@
 namespace flare::wire {
 namespace {
 
-bool ReadLayers(Reader& reader, const JsonView& at) {
-    enum class Layer { kGhosts };
+bool ReadLayers(Reader& reader, const JsonView& at, Layers& layers) {
+    layers = {false, false};
     if (!reader.Array(at, limits::kJsonMembers)) return false;
     for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
-        Layer layer = Layer::kGhosts;
-        if (!reader.OneOf<Layer>(*child, {{"ghosts", Layer::kGhosts}}, layer,
-                                 {"starburst", "bokeh"})) {
+        bool Layers::*layer = nullptr;
+        if (!reader.OneOf<bool Layers::*>(
+                *child, {{"ghosts", &Layers::ghosts}, {"starburst", &Layers::starburst}}, layer,
+                {"bokeh"})) {
             return false;
         }
+        if (layers.*layer) return reader.Refuse(at, "bad_value", "a layer is asked for twice");
+        layers.*layer = true;
     }
-    if (at.child_count() == 1) return true;
-    return reader.Refuse(
-        at, "bad_value",
-        at.child_count() == 0 ? "no layer is asked for" : "a layer is asked for twice");
+    return at.child_count() > 0 || reader.Refuse(at, "bad_value", "no layer is asked for");
+}
+
+bool ReadStarburst(Reader& reader, const JsonView& at, Starburst& starburst) {
+    return reader.Object(at, {"core", "jitter_deg", "jitter_count", "seed"}) &&
+           IfGiven(at, "core",
+                   [&](const JsonView& v) { return reader.Boolean(v, starburst.core); }) &&
+           IfGiven(at, "jitter_deg",
+                   [&](const JsonView& v) {
+                       return reader.Number(v, FromUpTo(0.0, limits::kMaxJitter_deg),
+                                            starburst.jitter_deg);
+                   }) &&
+           IfGiven(at, "jitter_count",
+                   [&](const JsonView& v) {
+                       return reader.Integer(v, 1, limits::kMaxJitterCount, starburst.jitter_count);
+                   }) &&
+           IfGiven(at, "seed", [&](const JsonView& v) {
+               return reader.Integer(v, 0, limits::kMaxSeed, starburst.seed);
+           });
 }
 
 bool ReadOutput(Reader& reader, const JsonView& at, Output& output) {
@@ -110,10 +128,11 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
     std::optional<JsonView> image, lights;
     return reader.Object(
                root,
-               {"lens", "prescription", "coatings", "f_number", "focus_m", "zoom_mm", "iris",
-                "image", "lights", "layers", "units", "color_space", "wavelengths_nm", "quality",
-                "model", "output", "encoder", "encoder_time", "encoder_max_age_ms"},
-               {"starburst"}) &&
+               {"lens",    "prescription", "coatings",       "f_number",     "focus_m",
+                "zoom_mm", "iris",         "image",          "lights",       "layers",
+                "units",   "color_space",  "wavelengths_nm", "quality",      "model",
+                "output",  "starburst",    "encoder",        "encoder_time", "encoder_max_age_ms"},
+               {}) &&
            ReadEncoder(reader, root, request.encoder) &&
            ReadLensChoice(reader, root, request.lens, request.encoder.has_value()) &&
            IfGiven(root, "iris",
@@ -122,10 +141,14 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
            ReadColor(reader, root, request) &&
            CheckPictureSize(reader, *image, request.image,
                             std::max<std::size_t>(3, request.wavelengths_nm.size())) &&
+           IfGiven(root, "layers",
+                   [&](const JsonView& v) { return ReadLayers(reader, v, request.layers); }) &&
+           IfGiven(
+               root, "starburst",
+               [&](const JsonView& v) { return ReadStarburst(reader, v, request.starburst); }) &&
            reader.Require(root, "lights", lights) &&
            ReadLights(reader, *lights, request.color_space == ColorSpace::kSpectral,
-                      request.lights) &&
-           IfGiven(root, "layers", [&](const JsonView& v) { return ReadLayers(reader, v); }) &&
+                      request.layers.ghosts, request.lights) &&
            IfGiven(root, "units",
                    [&](const JsonView& v) {
                        return reader.OneOf<Units>(v,

@@ -32,6 +32,18 @@ struct Model {
     Culling culling = Culling::kAuto;
 };
 
+struct Layers {
+    bool ghosts = true;
+    bool starburst = false;
+};
+
+struct Starburst {
+    bool core = true;
+    double jitter_deg = 0.0;
+    int jitter_count = 8;
+    int seed = 0;
+};
+
 struct Iris {
     int blades = 0;  // 0: round
     double roundness = 0.0;
@@ -55,6 +67,7 @@ struct Light {
     std::optional<std::array<double, 2>> pixel;
     std::optional<double> distance_m;  // absent: infinitely far
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
+    double angular_diameter_deg = 0.0;  // above 0 only without ghosts
 };
 
 struct Output {
@@ -79,6 +92,8 @@ struct FlareRequest {
     ColorSpace color_space = ColorSpace::kLinRec709;
     std::vector<double> wavelengths_nm;  // for kSpectral: at least one, all different
     Preset preset = Preset::kPreview;
+    Layers layers;
+    Starburst starburst;
     Model model;
     Output output;
 };

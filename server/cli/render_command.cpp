@@ -60,7 +60,7 @@ int RenderHere(const RenderOptions& options, const std::string& body, const Form
     std::optional<Progress> progress(std::in_place, "rendering");
     const Result<ServiceReply> reply =
         ServeFlare(body, format.format, "",
-                   {*library, threads, meshes, CancelToken(), NowMs, encoders->get()});
+                   {*library, threads, meshes, CancelToken(), NowMs, nullptr, encoders->get()});
     progress.reset();
     if (!reply) return Complain(options.request, reply.error());
     return WriteResults(options, reply->bytes, reply->report);

@@ -43,7 +43,7 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
     texts.emplace_back("flareUnits",
                        request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
     texts.emplace_back("flareColorSpace", spectral ? "spectral" : "lin_rec709");
-    texts.emplace_back("flareModels", ModelsText(facts.ghosts));
+    if (!facts.ghosts.empty()) texts.emplace_back("flareModels", ModelsText(facts.ghosts));
     if (!facts.clamped.empty()) texts.emplace_back("flareClamped", Joined(facts.clamped, "; "));
     if (spectral) texts.emplace_back("spectralLayoutVersion", "1.0");
 
@@ -64,6 +64,9 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
     numbers.emplace_back("flareAxialTransmittance", facts.t_axis);
     numbers.emplace_back("flareSceneLinearFactor", facts.scene_linear_factor);
     numbers.emplace_back("flareCulledFlux", facts.culled_flux_mm2);
+    if (facts.starburst && !facts.starburst->core) {
+        numbers.emplace_back("flareStarburstCoreShare", facts.starburst->core_share);
+    }
     numbers.emplace_back("flareEstimatedError", facts.estimated_error.rel_l1);
 }
 

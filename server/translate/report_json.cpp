@@ -142,6 +142,13 @@ void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
     json.End();
 }
 
+void WriteStarburst(JsonWriter& json, const StarburstSpec& spec, const StarburstFacts& facts) {
+    json.Key("starburst").BeginInlineObject().Member("core", facts.core);
+    json.Member("lights", facts.lights).Member("flux_mm2", facts.flux_mm2);
+    json.Member("core_share", facts.core_share).Member("jitter_deg", spec.jitter_deg);
+    json.Member("jitter_count", spec.jitter_count).Member("seed", spec.seed).End();
+}
+
 void WriteClamped(JsonWriter& json, const std::vector<std::string>& clamped) {
     json.Key("clamped").BeginArray();
     for (const std::string& text : clamped) json.Value(text);
@@ -171,6 +178,7 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
         json.Key("four_reflections");
         WriteFourReflections(json, *facts.four_reflections);
     }
+    if (facts.starburst) WriteStarburst(json, request.starburst, *facts.starburst);
     WriteGhosts(json, facts.ghosts);
     WriteWork(json, report.work, reply);
     json.End();

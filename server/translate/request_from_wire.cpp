@@ -73,6 +73,7 @@ LightSpec LightFromWire(const wire::Light& light) {
     if (light.pixel) spec.pixel = Vec2d((*light.pixel)[0], (*light.pixel)[1]);
     spec.distance_m = light.distance_m;
     spec.irradiance = Vec3d(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
+    spec.angular_diameter_deg = light.angular_diameter_deg;
     return spec;
 }
 
@@ -98,6 +99,10 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.state = lens->state;
     translated.state_clamped = std::move(lens->clamped);
     translated.model = ModelFromWire(request.model);
+    translated.layers = {request.layers.ghosts, request.layers.starburst};
+    const wire::Starburst& starburst = request.starburst;
+    translated.starburst = {starburst.core, starburst.jitter_deg, starburst.jitter_count,
+                            static_cast<std::uint64_t>(starburst.seed)};
     translated.f_number = request.lens.f_number;
     translated.iris = {request.iris.blades, request.iris.roundness, request.iris.rotation_deg};
     translated.image = ImageFromWire(request.image);

@@ -5,7 +5,7 @@ namespace flare {
 namespace {
 
 // Grows with every change of what the values mean or of their order here.
-constexpr int kHashVersion = 3;
+constexpr int kHashVersion = 4;
 
 void Add(Fingerprinter& hash, const std::optional<double>& value) {
     hash.Add(value.has_value());
@@ -55,6 +55,12 @@ void Add(Fingerprinter& hash, const wire::Light& light) {
     Add(hash, light.pixel);
     Add(hash, light.distance_m);
     Add(hash, light.irradiance);
+    hash.Add(light.angular_diameter_deg);
+}
+
+void Add(Fingerprinter& hash, const wire::Starburst& starburst) {
+    hash.Add(starburst.core).Add(starburst.jitter_deg);
+    hash.Add(starburst.jitter_count).Add(starburst.seed);
 }
 
 // What the picture and its header take from a lens beyond its surfaces.
@@ -97,6 +103,8 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     for (const double wavelength_nm : request.wavelengths_nm) hash.Add(wavelength_nm);
     hash.Add(static_cast<int>(request.preset));
     Add(hash, request.model);
+    hash.Add(request.layers.ghosts).Add(request.layers.starburst);
+    if (request.layers.starburst) Add(hash, request.starburst);
     hash.Add(static_cast<int>(request.output.compression));
     hash.Add(static_cast<int>(request.output.pixel));
     return hash.value();

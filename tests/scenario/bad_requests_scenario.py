@@ -123,7 +123,7 @@ BODIES = [
     (changed(color_space="spectral", wavelengths_nm=[-5]), 400, "bad_value", "/wavelengths_nm/0"),
     (changed(wavelengths_nm=[550]), 400, "bad_value", "/wavelengths_nm"),
     # In the contract, not built yet.
-    (changed(layers=["starburst"]), 400, "unsupported", "/layers/0"),
+    (changed(layers=["bokeh"]), 400, "unsupported", "/layers/0"),
     (changed(encoder="follow-focus"), 404, "unknown_encoder", "/encoder"),
     (changed(color_space="acescg"), 400, "unsupported", "/color_space"),
     (changed(quality={"max_error": 0.02}), 400, "unsupported", "/quality/max_error"),

@@ -35,6 +35,14 @@ TEST(PictureMemory, ReckonsWithWhatIsDrawn) {
     EXPECT_EQ(PictureBytes(overscan), PictureBytes(Sized(2'000, 2'000)));
 }
 
+TEST(PictureMemory, TheStarburstTakesMore) {
+    wire::FlareRequest request = Sized(1920, 1080);
+    const std::uint64_t ghosts = PictureBytes(request);
+    request.layers.starburst = true;
+    // A double and a float a sample, and a transform of 2048 x 2048 complex doubles twice over.
+    EXPECT_GE(PictureBytes(request), ghosts + 1920ULL * 1080 * 3 * 12 + 128 * kMiB);
+}
+
 TEST(PictureMemory, TheLargestPictureDoesNotOverflow) {
     wire::FlareRequest request = Sized(16'384, 4'096);
     request.color_space = wire::ColorSpace::kSpectral;

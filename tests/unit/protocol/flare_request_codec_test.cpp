@@ -99,6 +99,32 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     EXPECT_EQ(request.output.pixel, PixelType::kFloat);
 }
 
+TEST(FlareRequestCodec, ReadsLayersAndTheStarburst) {
+    const FlareRequest none = Accepted(With(R"("units":"scene_linear")"));
+    EXPECT_TRUE(none.layers.ghosts);
+    EXPECT_FALSE(none.layers.starburst);
+    EXPECT_TRUE(none.starburst.core);
+    EXPECT_EQ(none.starburst.jitter_deg, 0.0);
+    const FlareRequest both = Accepted(With(R"("layers":["starburst","ghosts"])"));
+    EXPECT_TRUE(both.layers.ghosts && both.layers.starburst);
+    const FlareRequest one = Accepted(With(R"("layers":["starburst"],
+                "starburst":{"core":false,"jitter_deg":2.5,"jitter_count":9,"seed":77})"));
+    EXPECT_FALSE(one.layers.ghosts);
+    EXPECT_FALSE(one.starburst.core);
+    EXPECT_EQ(one.starburst.jitter_deg, 2.5);
+    EXPECT_EQ(one.starburst.jitter_count, 9);
+    EXPECT_EQ(one.starburst.seed, 77);
+}
+
+// Ghosts are those of points; the starburst alone may be that of a disc.
+TEST(FlareRequestCodec, TakesADiscForTheStarburstAlone) {
+    const FlareRequest request = Accepted(
+        R"({"lens":"x","image":{"width":8,"height":8,"sensor_width_mm":36},
+            "lights":[{"direction":[0,0,1],"angular_diameter_deg":0.53}],
+            "layers":["starburst"]})");
+    EXPECT_EQ(request.lights.at(0).angular_diameter_deg, 0.53);
+}
+
 TEST(FlareRequestCodec, TakesNullForTheStateTheLensFileHas) {
     const FlareRequest request = Accepted(With(R"("focus_m":null,"zoom_mm":null)"));
     EXPECT_FALSE(request.lens.focus_m.has_value());

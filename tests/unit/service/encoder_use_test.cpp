@@ -51,9 +51,9 @@ class EncoderInRequest : public testing::Test {
     Result<ServiceReply> Serve(const std::string& body) {
         static const LensLibrary library = *LensLibrary::Load(FLARE_SOURCE_DIR "/lenses");
         ThreadPool threads(1);
-        return ServeFlare(
-            body, ReplyFormat::kExr, "",
-            {library, threads, meshes_, CancelToken(), [] { return 0.0; }, encoders_.get()});
+        return ServeFlare(body, ReplyFormat::kExr, "",
+                          {library, threads, meshes_, CancelToken(), [] { return 0.0; }, nullptr,
+                           encoders_.get()});
     }
     static FlareImage Picture(const Result<ServiceReply>& reply) {
         EXPECT_TRUE(reply) << reply.error().where << reply.error().message;

@@ -235,6 +235,12 @@ TEST(RequestHash, ChangesWithEveryField) {
                                 R"("model":{"sensor_reflection":true})",
                                 R"("model":{"culling":"none"})",
                                 R"("model":{"culling":"report"})",
+                                R"("layers":["starburst"])",
+                                R"("layers":["starburst","ghosts"])",
+                                R"("layers":["starburst"],"starburst":{"core":false})",
+                                R"("layers":["starburst"],"starburst":{"jitter_deg":1})",
+                                R"("layers":["starburst"],"starburst":{"jitter_count":4})",
+                                R"("layers":["starburst"],"starburst":{"seed":4})",
                                 R"("model":{"ringing":"off"})"}) {
         hashes.push_back(HashOf(SeedBody(members)));
     }
@@ -265,6 +271,9 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(limits::kImagePixels, kMaxImagePixels);
     EXPECT_EQ(static_cast<int>(limits::kWavelengths), kMaxWavelengths);
     EXPECT_EQ(limits::kMaxFourReflectionThreshold, kMaxFourReflectionThreshold);
+    EXPECT_EQ(limits::kMaxAngularDiameter_deg, kMaxAngularDiameter_deg);
+    EXPECT_EQ(limits::kMaxJitter_deg, kMaxJitter_deg);
+    EXPECT_EQ(limits::kMaxJitterCount, kMaxJitterCount);
     EXPECT_EQ(static_cast<int>(limits::kSurfaces), kMaxSurfaces);
 }
 
