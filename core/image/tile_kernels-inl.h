@@ -71,7 +71,7 @@ HWY_INLINE Floats Determinant(const Jet& x, const Jet& y) {
 }
 
 // Masks and light of one vector of points.
-HWY_INLINE void StoreFacts(const CellFit& cell, int fields, const CellCorners* light, Floats a,
+HWY_INLINE void StoreFacts(const CellFit& cell, int fields, const LightCorners* light, Floats a,
                            Floats b, Floats det, int n, NodeBlock& block) {
     const FloatTag tag;
     hn::Store(det, tag, block.det + n);
@@ -91,7 +91,7 @@ HWY_INLINE void StoreFacts(const CellFit& cell, int fields, const CellCorners* l
     }
 }
 
-void Solve(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+void Solve(const CellFit& cell, const CellPart& part, int fields, const LightCorners* light,
            NodeBlock& block) {
     const FloatTag tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
@@ -148,7 +148,7 @@ void Solve(const CellFit& cell, const CellPart& part, int fields, const CellCorn
     }
 }
 
-void Points(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block) {
+void Points(const CellFit& cell, int fields, const LightCorners* light, NodeBlock& block) {
     const FloatTag tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     for (int n = 0; n < block.count; n += lanes) {

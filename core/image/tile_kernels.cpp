@@ -25,14 +25,14 @@ void Pad(float* values, int count) {
 
 }  // namespace
 
-void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const LightCorners* light,
                 NodeBlock& block) {
     Pad(block.px, block.count);
     Pad(block.py, block.count);
     HWY_DYNAMIC_DISPATCH(Solve)(cell, part, fields, light, block);
 }
 
-void EvaluatePoints(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block) {
+void EvaluatePoints(const CellFit& cell, int fields, const LightCorners* light, NodeBlock& block) {
     Pad(block.a, block.count);
     Pad(block.b, block.count);
     HWY_DYNAMIC_DISPATCH(Points)(cell, fields, light, block);

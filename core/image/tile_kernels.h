@@ -36,7 +36,7 @@ struct CellPart {
 
 // Light at a cell's corners (0, 0), (1, 0), (0, 1), (1, 1): `count` numbers at each.
 inline constexpr int kTileLights = 6;
-struct CellCorners {
+struct LightCorners {
     int count = 0;
     std::array<std::array<float, kTileLights>, 4> at{};
 };
@@ -46,18 +46,18 @@ struct NodeBlock {
     alignas(64) float px[kTileNodes], py[kTileNodes];  // places on the picture
     alignas(64) float a[kTileNodes], b[kTileNodes];    // in the cell
     alignas(64) float det[kTileNodes];                 // Jacobian d(x, y) / d(a, b)
-    alignas(64) float light[kTileLights][kTileNodes];  // a pixel: CellCorners over |det|
+    alignas(64) float light[kTileLights][kTileNodes];  // a pixel: LightCorners over |det|
     alignas(64) float fields[kTileFields][kTileNodes];
     std::uint64_t found = 0;  // bit n: the point lies in the part
 };
 
 // Finds what lands at (px, py) by Newton's method from the part's middle: a, b, det and, if asked
 // for, the first `fields` masks and the light (null: none) there.
-void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const CellCorners* light,
+void SolveNodes(const CellFit& cell, const CellPart& part, int fields, const LightCorners* light,
                 NodeBlock& block);
 
 // The same with the points (a, b) given and (px, py) found.
-void EvaluatePoints(const CellFit& cell, int fields, const CellCorners* light, NodeBlock& block);
+void EvaluatePoints(const CellFit& cell, int fields, const LightCorners* light, NodeBlock& block);
 
 // A mask's edge within a tile, in pixels across the edge: negative inside. Corner values are those
 // at (0, 0), (1, 0), (0, 1), (1, 1).

@@ -36,14 +36,14 @@ std::array<float, kTileLights> TileLight::Point(Of what, std::size_t k, std::siz
     return out;
 }
 
-CellCorners TileLight::Corners(Of what, std::size_t k, const FittedCell& cell) const {
+LightCorners TileLight::Corners(Of what, std::size_t k, const FittedCell& cell) const {
     const GhostLight::Cell& from = From(cell);
     const MeshGrid& grid = ghost_.surface->mesh().grids[static_cast<std::size_t>(from.place.grid)];
     const auto area = static_cast<float>(grid.du * grid.dv);
     const auto m = static_cast<std::size_t>(from.light_cuts);
     const std::size_t row = 3 * (m + 1);
     const std::size_t at = from.light_at;
-    CellCorners corners;
+    LightCorners corners;
     corners.count = what == Of::kBoth ? 6 : 3;
     corners.at = {Point(what, k, at, area), Point(what, k, at + 3 * m, area),
                   Point(what, k, at + m * row, area), Point(what, k, at + m * row + 3 * m, area)};

@@ -31,7 +31,7 @@ class TileLight {
     // blue of traced wavelength k, of all bands together, or both after each other.
     enum class Of { kTraced, kAll, kBoth };
     // At the cell's corners.
-    CellCorners Corners(Of what, std::size_t k, const FittedCell& cell) const;
+    LightCorners Corners(Of what, std::size_t k, const FittedCell& cell) const;
     // At a point, of any cell.
     std::array<float, kTileLights> At(Of what, std::size_t k, const FittedCell& cell, float a,
                                       float b) const;

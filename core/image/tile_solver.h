@@ -61,9 +61,9 @@ class TileSolver {
     NodeBlock block_;
     std::array<std::size_t, kTileNodes> nodes_{};
     TileLight::Of what_ = TileLight::Of::kAll;
-    CellCorners corners_;                // light of the cell at hand
-    const CellCorners* even_ = nullptr;  // if it is bilinear
-    int fields_ = 0;                     // wanted of the cell at hand
+    LightCorners corners_;                // light of the cell at hand
+    const LightCorners* even_ = nullptr;  // if it is bilinear
+    int fields_ = 0;                      // wanted of the cell at hand
 };
 
 }  // namespace flare
