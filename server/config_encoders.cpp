@@ -165,9 +165,9 @@ class EncoderReader {
         }
         if (config_.kind == EncoderKind::kOpenTrackIo) config_.port = kOpenTrackIoPort;
         for (const auto& [key, node] : table_) {
-            const auto known = std::find_if(kKeys.begin(), kKeys.end(), [&](const KindsOfKey& k) {
-                return k.key == key.str();
-            });
+            const std::string_view name = key.str();
+            const auto known = std::find_if(kKeys.begin(), kKeys.end(),
+                                            [&](const KindsOfKey& k) { return k.key == name; });
             if (known == kKeys.end() || (known->kinds & Of(config_.kind)) == 0) {
                 return BadConfig(std::string(key.str()) + " is no key of an encoder of kind " +
                                      std::string(Name(config_.kind)),

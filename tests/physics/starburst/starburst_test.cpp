@@ -47,6 +47,19 @@ double Light(const FlareRequest& request, const FlareImage& image) {
     return sum * Pitch(request) * Pitch(request);
 }
 
+// How far from pixel (x, y) towards (dx, dy) the first dark ring lies, in pixels: the lowest point
+// of the parabola through the darkest pixel and its neighbours.
+double DarkRing(const FlareImage& image, int x, int y, int dx, int dy) {
+    const auto light = [&](int i) -> double {
+        const int at = (y + i * dy) * image.data.width + x + i * dx;
+        return Values(image)[static_cast<std::size_t>(at)];
+    };
+    int least = 1;
+    while (light(least + 1) < light(least)) ++least;
+    const double a = light(least - 1), b = light(least), c = light(least + 1);
+    return least + 0.5 * (a - c) / (a - 2.0 * b + c);
+}
+
 TEST(Starburst, OfARoundIrisAtF22IsAirysDiscInAbsoluteLight) {
     Studio studio;
     FlareRequest request = Starburst(22.0, 401, 401, 0.2005);
@@ -61,6 +74,10 @@ TEST(Starburst, OfARoundIrisAtF22IsAirysDiscInAbsoluteLight) {
     const double lambda_n = kWavelength_mm * 22.0;
     const double peak = Values(shot.image)[200 * 401 + 200];
     EXPECT_NEAR(peak, flux * kPi / (4.0 * lambda_n * lambda_n), 0.01 * peak);
+    for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {-1, 0}}) {
+        const double zero = DarkRing(shot.image, 200, 200, dx, dy) * Pitch(request);
+        EXPECT_NEAR(zero, 1.21967 * lambda_n, 0.005 * zero);
+    }
     double inside = 0.0;
     for (int j = 0; j < 401; ++j) {
         for (int i = 0; i < 401; ++i) {
