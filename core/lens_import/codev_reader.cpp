@@ -230,7 +230,7 @@ class CodeVReader {
     // K is the conic constant; A, B, C, ... the terms of r^4, r^6, r^8, ...
     std::optional<Error> ReadAsphere(char letter, const Words& words, int line) {
         const Result<double> value = RequireNumber(words.size() > 1 ? words[1] : "",
-                                                   "the term " + std::string(1, letter), line);
+                                                   "the term " + Quoted({&letter, 1}), line);
         if (!value) return value.error();
         SurfacePrescription& surface = draft_.lens.surfaces.back();
         if (letter == 'K') {
@@ -240,7 +240,7 @@ class CodeVReader {
             surface.asphere.resize(std::max(surface.asphere.size(), place + 1));
             surface.asphere[place] = *value;
         } else if (*value != 0.0) {
-            return Error{"unsupported", "the term " + std::string(1, letter) + " cannot be read",
+            return Error{"unsupported", "the term " + Quoted({&letter, 1}) + " cannot be read",
                          LinePlace(line)};
         }
         return std::nullopt;
