@@ -167,10 +167,8 @@ class CellSurvey {
             least = std::min(least, p->det);
             most = std::max(most, p->det);
         }
-        const float room_x = 0.1F * (view.box.x1 - view.box.x0) + 0.1F;
-        const float room_y = 0.1F * (view.box.y1 - view.box.y0) + 0.1F;
-        view.box = {view.box.x0 - room_x, view.box.y0 - room_y, view.box.x1 + room_x,
-                    view.box.y1 + room_y};
+        view.box = view.box.Grown(0.1F * (view.box.x1 - view.box.x0) + 0.1F,
+                                  0.1F * (view.box.y1 - view.box.y0) + 0.1F);
         view.folds = least * most <= 0.0F;
         view.on_sheet = {most > 0.0F, least < 0.0F};
         return view;
@@ -198,14 +196,9 @@ class CellSurvey {
                 const float y = p->fields[2 * c + 1];
                 box.Join({x, y, x, y});
             }
-            const float room_x = kBetween * (box.x1 - box.x0);
-            const float room_y = kBetween * (box.y1 - box.y0);
-            const float dx = std::max({box.x0 - room_x, -box.x1 - room_x, 0.0F});
-            const float dy = std::max({box.y0 - room_y, -box.y1 - room_y, 0.0F});
-            shut = shut || dx * dx + dy * dy > outer_ * outer_;
-            const float fx = std::max(std::abs(box.x0), std::abs(box.x1)) + room_x;
-            const float fy = std::max(std::abs(box.y0), std::abs(box.y1)) + room_y;
-            part.open = part.open && fx * fx + fy * fy < inner_ * inner_;
+            box = box.Grown(kBetween * (box.x1 - box.x0), kBetween * (box.y1 - box.y0));
+            shut = shut || box.Nearest2() > outer_ * outer_;
+            part.open = part.open && box.Farthest2() < inner_ * inner_;
         }
         part.shut = part.shut && shut;
     }
@@ -234,6 +227,18 @@ void PixelBox::Clip(const PixelBox& other) {
     y0 = std::max(y0, other.y0);
     x1 = std::min(x1, other.x1);
     y1 = std::min(y1, other.y1);
+}
+
+float PixelBox::Nearest2() const {
+    const float x = std::max({x0, -x1, 0.0F});
+    const float y = std::max({y0, -y1, 0.0F});
+    return x * x + y * y;
+}
+
+float PixelBox::Farthest2() const {
+    const float x = std::max(std::abs(x0), std::abs(x1));
+    const float y = std::max(std::abs(y0), std::abs(y1));
+    return x * x + y * y;
 }
 
 PixelBox BoxOf(const GhostLight::Cell& cell) {

@@ -15,12 +15,19 @@
 
 namespace flare {
 
+// A box of places on the picture, px, or at the stop, mm.
 struct PixelBox {
     float x0 = 1e30F, y0 = 1e30F, x1 = -1e30F, y1 = -1e30F;
 
     bool empty() const { return !(x0 <= x1 && y0 <= y1); }
     void Join(const PixelBox& other);
     void Clip(const PixelBox& other);
+    PixelBox Grown(float by_x, float by_y) const {
+        return {x0 - by_x, y0 - by_y, x1 + by_x, y1 + by_y};
+    }
+    // Squared distance from the origin, of the box's nearest and of its farthest point.
+    float Nearest2() const;
+    float Farthest2() const;
 };
 
 // What a cell may touch.

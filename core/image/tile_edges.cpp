@@ -60,12 +60,9 @@ bool TileEdges::AddArc(const Iris::Edge& edge, std::size_t c, const TileLevel::S
         // A pixel and a tenth of the tile on all sides, in mm.
         const float room_x = std::abs(arc.per_x_x) + std::abs(arc.per_y_x);
         const float room_y = std::abs(arc.per_x_y) + std::abs(arc.per_y_y);
-        const float dx = std::max({box.x0 - room_x, -box.x1 - room_x, 0.0F});
-        const float dy = std::max({box.y0 - room_y, -box.y1 - room_y, 0.0F});
-        shut = shut && dx * dx + dy * dy > r * r;
-        const float fx = std::max(std::abs(box.x0), std::abs(box.x1)) + room_x;
-        const float fy = std::max(std::abs(box.y0), std::abs(box.y1)) + room_y;
-        open = open && fx * fx + fy * fy < r * r;
+        box = box.Grown(room_x, room_y);
+        shut = shut && box.Nearest2() > r * r;
+        open = open && box.Farthest2() < r * r;
     }
     if (shut) return false;
     if (!open) arcs_.push_back(arcs);

@@ -39,7 +39,6 @@ void TileLevel::MakeRecords(int fields) {
         sums[s].assign(tiles.size(), Sums());
         Sheet& sheet = sheets[s];
         for (auto& found : sheet.found) found.assign(nodes.size(), 0);
-        for (auto& pupil : sheet.pupil) pupil.resize(nodes.size());
         sheet.rgb.assign(nodes.size() * 3, 0.0F);
         sheet.middle.resize(nodes.size());
         sheet.fields.resize(nodes.size() * kTraced * static_cast<std::size_t>(fields));

@@ -55,8 +55,7 @@ struct TileLevel {
 
     // Records of nodes.
     struct Sheet {
-        std::array<std::vector<std::uint8_t>, kTraced> found;          // solutions
-        std::array<std::vector<std::array<float, 2>>, kTraced> pupil;  // the last, in main cells
+        std::array<std::vector<std::uint8_t>, kTraced> found;  // solutions
         std::vector<float> rgb;          // [node][channel], over all wavelengths
         std::vector<TileColour> middle;  // of all bands by the middle map
         std::vector<float> fields;       // [node][traced][field], where cut

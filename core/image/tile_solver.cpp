@@ -13,6 +13,11 @@ namespace {
 constexpr float kPointsATile = 2.0F;
 constexpr float kMostPoints = 48.0F, kFewPoints = 8.0F;
 
+// A place in a cell, in cells of the main grid.
+std::array<float, 2> InPupil(const FittedCell& cell, const std::array<float, 2>& at) {
+    return {cell.u + at[0] * cell.step, cell.v + at[1] * cell.step};
+}
+
 // Found twice, on the border of two cells? In cells of the main grid.
 bool SamePoint(const std::array<float, 2>& a, const std::array<float, 2>& b) {
     constexpr float kSame = 4e-3F;
@@ -54,9 +59,7 @@ void TileSolver::MarkCell(const FittedCell& cell) {
             for (std::size_t s = 0; s < kSheets; ++s) on_sheet[s] = on_sheet[s] || view.on_sheet[s];
         }
         // The drawn wavelengths reach a little beyond the traced ones.
-        const float room_x = 0.1F * (box.x1 - box.x0);
-        const float room_y = 0.1F * (box.y1 - box.y0);
-        box = {box.x0 - room_x, box.y0 - room_y, box.x1 + room_x, box.y1 + room_y};
+        box = box.Grown(0.1F * (box.x1 - box.x0), 0.1F * (box.y1 - box.y0));
         box.Clip(cell.box);
         const TileBox tiles = level_.Touched(box);
         if (!part.open) level_.cut.Mark(tiles);
@@ -137,11 +140,13 @@ void TileSolver::SolveBlock(const FittedCell& cell, std::size_t k, const CellPar
         const auto n = static_cast<std::size_t>(std::countr_zero(left));
         const std::size_t node = nodes_[n];
         TileLevel::Sheet& sheet = level_.sheets[block_.det[n] < 0.0F ? 1 : 0];
-        const std::array<float, 2> pupil = {cell.u + block_.a[n] * cell.step,
-                                            cell.v + block_.b[n] * cell.step};
         std::uint8_t& found = sheet.found[k][node];
-        if (found > 0 && SamePoint(pupil, sheet.pupil[k][node])) continue;
-        sheet.pupil[k][node] = pupil;
+        if (found > 0) {
+            const auto last = static_cast<std::size_t>(sheet.cell[k][node]);
+            const std::array<float, 2> at = {block_.a[n], block_.b[n]};
+            if (SamePoint(InPupil(cell, at), InPupil(fitted_.cells()[last], sheet.at[k][node])))
+                continue;
+        }
         if (found < 255) ++found;
         Keep(cell, k, n, node, sheet);
     }

@@ -312,13 +312,8 @@ class CodeVReader {
         DropDummies(draft_);
         ScaleLengths(draft_, unit_mm_);
         draft_.lens.design_f_number = draft_.f_number;
-        if (!unread_.empty()) {
-            std::string list;
-            for (const std::string& name : unread_) list += (list.empty() ? "" : ", ") + name;
-            draft_.Remark("Not read: " + list + ".");
-        }
-        draft_.Remark(
-            "The file has no coatings that could be carried over: every surface is bare.");
+        RemarkUnread(draft_, unread_);
+        RemarkBare(draft_);
         return std::move(draft_);
     }
 

@@ -206,6 +206,17 @@ std::optional<Error> FindEndless(const Prescription& lens) {
 
 }  // namespace
 
+void RemarkUnread(LensDraft& draft, const std::set<std::string>& names) {
+    if (names.empty()) return;
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    draft.Remark("Not read: " + list + ".");
+}
+
+void RemarkBare(LensDraft& draft) {
+    draft.Remark("The file has no coatings that could be carried over: every surface is bare.");
+}
+
 std::string SurfaceList(const std::vector<std::size_t>& surfaces) {
     std::string out = surfaces.size() == 1 ? "surface " : "surfaces ";
     for (std::size_t i = 0; i < surfaces.size(); ++i) {

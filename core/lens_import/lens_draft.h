@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +54,11 @@ void StandInMediumInFront(SurfacePrescription& stop,
 // Puts in the stop, works out what is missing, and moves title and remarks to where people see
 // them. Fails where glass or surfaces make that impossible, and for too many surfaces.
 Result<ImportedLens> FinishDraft(LensDraft draft, LensFormat format);
+
+// Remarks that formats share: what was passed over, by name, if anything was; that coatings could
+// not be carried over.
+void RemarkUnread(LensDraft& draft, const std::set<std::string>& names);
+void RemarkBare(LensDraft& draft);
 
 // "surfaces 1, 2 and 5", for remarks.
 std::string SurfaceList(const std::vector<std::size_t>& surfaces);

@@ -130,8 +130,7 @@ class OptilandReader {
             draft_.Remark("Not read: the aperture, coating or bsdf of " + SurfaceList(unread_) +
                           " of the file.");
         }
-        draft_.Remark(
-            "The file has no coatings that could be carried over: every surface is bare.");
+        RemarkBare(draft_);
         return std::move(draft_);
     }
 

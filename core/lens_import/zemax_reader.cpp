@@ -295,13 +295,8 @@ class ZemaxReader {
         if (field_type_ >= 2.0 && largest_field_ > 0.0) draft_.image_height_mm = largest_field_;
         ScaleLengths(draft_, unit_mm_);
         draft_.lens.design_f_number = draft_.f_number;
-        if (!unread_.empty()) {
-            std::string list;
-            for (const std::string& name : unread_) list += (list.empty() ? "" : ", ") + name;
-            draft_.Remark("Not read: " + list + ".");
-        }
-        draft_.Remark(
-            "The file has no coatings that could be carried over: every surface is bare.");
+        RemarkUnread(draft_, unread_);
+        RemarkBare(draft_);
         return std::move(draft_);
     }
 

@@ -22,16 +22,22 @@ std::vector<double> TracedNodes(const FlareRequest& request, const QualitySettin
 
 }  // namespace
 
-MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence,
-                     const PlacedLight& light) {
-    const QualitySettings settings = SettingsOf(request.quality);
-    MeshSpec spec = MeshSpecOf(sequence, light);
-    spec.wavelengths_nm = TracedNodes(request, settings);
+void SetQuality(const QualitySettings& settings, MeshSpec& spec) {
+    spec.wavelengths_nm =
+        ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, settings.traced_wavelengths);
     spec.cells = settings.mesh_cells;
     spec.arithmetic = settings.arithmetic;
     spec.patch_cells = settings.patch_cells;
     spec.position_tolerance_mm = settings.position_tolerance_mm;
     spec.mask_tolerance = settings.mask_tolerance;
+}
+
+MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence,
+                     const PlacedLight& light) {
+    const QualitySettings settings = SettingsOf(request.quality);
+    MeshSpec spec = MeshSpecOf(sequence, light);
+    SetQuality(settings, spec);
+    spec.wavelengths_nm = TracedNodes(request, settings);
     return spec;
 }
 

@@ -9,8 +9,12 @@
 #include "core/mesh/mesh_builder.h"
 #include "core/render/flare_request.h"
 #include "core/render/lights.h"
+#include "core/render/quality.h"
 
 namespace flare {
+
+// What a preset asks of a mesh, in colour.
+void SetQuality(const QualitySettings& settings, MeshSpec& spec);
 
 // The mesh of one ghost.
 MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence,

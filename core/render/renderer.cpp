@@ -399,8 +399,7 @@ class Job {
         const auto channels = static_cast<std::size_t>(picture_ ? picture_->channel_count() : 3);
         std::vector<std::vector<float>> values(channels);
         if (tile_picture_) {
-            tile_picture_->Resolve(scale, std::array{&values[0], &values[1], &values[2]},
-                                   context_.threads);
+            std::ranges::move(tile_picture_->Resolve(scale, context_.threads), values.begin());
         } else {
             context_.threads.For(static_cast<int>(channels), [&](int c) {
                 values[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);

@@ -244,20 +244,20 @@ void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, con
     drawn.fragments += raster.fragments();
 }
 
-void TilePicture::Resolve(double scale, std::span<std::vector<float>* const> planes,
-                          ThreadPool& threads) const {
-    threads.For(static_cast<int>(planes.size()),
-                [&](int p) { planes[static_cast<std::size_t>(p)]->resize(window_.pixels()); });
+std::array<std::vector<float>, 3> TilePicture::Resolve(double scale, ThreadPool& threads) const {
+    std::array<std::vector<float>, 3> planes;
+    threads.For(3, [&](int p) { planes[static_cast<std::size_t>(p)].resize(window_.pixels()); });
     const int strips = (window_.height + kBlock - 1) / kBlock;
     threads.For(strips, [&](int s) {
         const int end = std::min((s + 1) * kBlock, window_.height);
         for (int y = s * kBlock; y < end; ++y) ResolveRow(y, scale * unit_, planes);
     });
+    return planes;
 }
 
 // Row y of the window.
 void TilePicture::ResolveRow(int row, double factor,
-                             std::span<std::vector<float>* const> planes) const {
+                             std::array<std::vector<float>, 3>& planes) const {
     constexpr float kMost = std::numeric_limits<float>::max();
     thread_local std::array<std::vector<float>, 3> lines;
     const int y = row + window_.y;
@@ -281,8 +281,8 @@ void TilePicture::ResolveRow(int row, double factor,
     const auto tame_factor = static_cast<float>(tame ? factor : 1.0);
     const auto width = static_cast<std::size_t>(window_.width);
     for (std::size_t p = 0; p < planes.size(); ++p) {
-        const float* const from = line[p % 3] + (window_.x - padded_.x);
-        float* const to = planes[p]->data() + static_cast<std::size_t>(row) * width;
+        const float* const from = line[p] + (window_.x - padded_.x);
+        float* const to = planes[p].data() + static_cast<std::size_t>(row) * width;
         if (tame) {
             for (std::size_t x = 0; x < width; ++x)
                 to[x] = std::max(-kMost, std::min(kMost, from[x] * tame_factor));

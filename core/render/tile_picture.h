@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -46,10 +45,9 @@ class TilePicture {
     Drawn Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris, const PictureMap& map,
                const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
 
-    // Opens the smooth tiles out and hands over what has been drawn: plane p becomes channel p mod
-    // 3 (red, green, blue) of the window, times `scale`, clamped to finite floats.
-    void Resolve(double scale, std::span<std::vector<float>* const> planes,
-                 ThreadPool& threads) const;
+    // Opens the smooth tiles out and hands over what has been drawn: red, green and blue of the
+    // window, times `scale`, clamped to finite floats.
+    std::array<std::vector<float>, 3> Resolve(double scale, ThreadPool& threads) const;
 
   private:
     struct Strip;
@@ -65,7 +63,7 @@ class TilePicture {
     void DrawBlock(const TiledGhost& ghost, const PixelWindow& block, const Iris& iris,
                    const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
                    Drawn& drawn);
-    void ResolveRow(int y, double factor, std::span<std::vector<float>* const> planes) const;
+    void ResolveRow(int row, double factor, std::array<std::vector<float>, 3>& planes) const;
     float* Row(std::size_t channel, int y) {
         return pixels_[channel].data() +
                static_cast<std::size_t>(y - padded_.y) * static_cast<std::size_t>(padded_.width);

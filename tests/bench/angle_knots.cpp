@@ -19,6 +19,7 @@
 #include "core/base/units.h"
 #include "core/mesh/mesh_builder.h"
 #include "core/mesh/raw_grid.h"
+#include "core/render/light_meshes.h"
 #include "core/render/quality.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "server/lens_library.h"
@@ -52,12 +53,7 @@ MeshSpec SpecOf(const BounceSequence& sequence, double field_deg) {
     MeshSpec spec;
     spec.sequence = sequence;
     spec.field_rad = RadiansFromDegrees(field_deg);
-    spec.wavelengths_nm =
-        ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, settings.traced_wavelengths);
-    spec.cells = settings.mesh_cells;
-    spec.patch_cells = settings.patch_cells;
-    spec.position_tolerance_mm = settings.position_tolerance_mm;
-    spec.mask_tolerance = settings.mask_tolerance;
+    SetQuality(settings, spec);
     return spec;
 }
 

@@ -22,6 +22,7 @@
 #include "core/mesh/mesh_builder.h"
 #include "core/mesh/pass_region.h"
 #include "core/render/compare.h"
+#include "core/render/light_meshes.h"
 #include "core/render/quality.h"
 #include "core/render/renderer.h"
 #include "core/spectrum/wavelength_plan.h"
@@ -135,12 +136,7 @@ void MeshCold(benchmark::State& state, const std::string& name) {
             MeshSpec spec;
             spec.sequence = sequences[static_cast<std::size_t>(i)];
             spec.field_rad = kField_rad;
-            spec.wavelengths_nm =
-                ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, settings.traced_wavelengths);
-            spec.cells = settings.mesh_cells;
-            spec.patch_cells = settings.patch_cells;
-            spec.position_tolerance_mm = settings.position_tolerance_mm;
-            spec.mask_tolerance = settings.mask_tolerance;
+            SetQuality(settings, spec);
             meshes[static_cast<std::size_t>(i)] = BuildMesh(*lens, spec);
         });
         bytes = 0.0;

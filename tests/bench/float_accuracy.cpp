@@ -19,6 +19,7 @@
 #include "core/base/parallel.h"
 #include "core/base/units.h"
 #include "core/mesh/mesh_builder.h"
+#include "core/render/light_meshes.h"
 #include "core/render/quality.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "server/lens_library.h"
@@ -46,12 +47,7 @@ bool TracedInDoubles(const Lens& lens, const LightBundle& bundle, const BounceSe
     spec.sequence = sequence;
     spec.field_rad = bundle.field_rad();
     spec.azimuth_rad = azimuth_rad;
-    spec.wavelengths_nm =
-        ChebyshevNodes(kTracedLow_nm, kTracedHigh_nm, settings.traced_wavelengths);
-    spec.cells = settings.mesh_cells;
-    spec.patch_cells = settings.patch_cells;
-    spec.position_tolerance_mm = settings.position_tolerance_mm;
-    spec.mask_tolerance = settings.mask_tolerance;
+    SetQuality(settings, spec);
     return BuildMesh(lens, spec).in_doubles;
 }
 

@@ -118,8 +118,7 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
         TilePicture tiles(kFrame, kFrame.width, kFrame.height, 2.0);
         ASSERT_EQ(tiles.padded(), kAround);
         tiles.Draw(ghosts, *iris_, tile_map_, settings_.walk, threads_, {});
-        std::array<std::vector<float>, 3> drawn;
-        tiles.Resolve(1.0, std::array{&drawn[0], &drawn[1], &drawn[2]}, threads_);
+        const std::array<std::vector<float>, 3> drawn = tiles.Resolve(1.0, threads_);
         Picture polygons(kFrame, 0);
         // The same cells, seen from the frame's corner.
         std::vector<GhostLight> lights = {ghosts[0].light};
