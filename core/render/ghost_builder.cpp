@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/render/ghost_builder.h"
+
+#include <algorithm>
+
+#include "core/base/units.h"
+#include "core/image/cell_fits.h"
+#include "core/mesh/mesh_builder.h"
+#include "core/render/ghost_estimate.h"
+#include "core/render/light_meshes.h"
+#include "core/render/picture.h"
+
+namespace flare {
+namespace {
+
+std::vector<double> BoundingWavelengths(const RenderScene& scene) {
+    if (!scene.spectral()) {
+        return {kDrawnLow_nm, 0.5 * (kDrawnLow_nm + kDrawnHigh_nm), kDrawnHigh_nm};
+    }
+    const std::vector<double>& list = scene.request.wavelengths_nm;
+    if (list.size() == 1) return list;
+    const auto [lo, hi] = std::minmax_element(list.begin(), list.end());
+    return {*lo, 0.5 * (*lo + *hi), *hi};
+}
+
+}  // namespace
+
+GhostBuilder::GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
+                           const RenderContext& context)
+    : scene_(scene),
+      tile_picture_(tile_picture),
+      context_(context),
+      tables_(scene.lens,
+              scene.spectral()
+                  ? scene.request.wavelengths_nm
+                  : EvenInWavelength(kSpectrumFirst_nm, SampleWavelength(kSpectrumSamples - 1),
+                                     ColourBandsFor(scene.lens, scene.settings)),
+              context.threads),
+      flux_tables_(scene.lens, {scene.spectral() ? scene.request.wavelengths_nm.front() : kLineD},
+                   context.threads),
+      bounded_nm_(BoundingWavelengths(scene)) {}
+
+// Of a ghost that is drawn with a weight.
+LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) const {
+    LightColour colour;
+    colour.spectral = scene_.spectral();
+    colour.irradiance = weight * light.irradiance.x;
+    if (!colour.spectral) colour.power = LightSpectrum(light.irradiance * weight);
+    colour.dispersion_step_px = scene_.settings.dispersion_step_px;
+    colour.most_drawn = scene_.settings.most_drawn;
+    colour.light_tolerance = scene_.settings.light_tolerance;
+    return colour;
+}
+
+GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
+                                        double weight, bool with_flux) const {
+    Built built;
+    if (context_.cancel.cancelled()) return built;
+    const Lens& lens = scene_.lens;
+    const MeshSpec spec = MeshSpecFor(scene_.request, sequence, light);
+    const Result<MeshProvider::Found> found = context_.meshes.Get(
+        MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context_.cancel);
+    if (!found) return built;
+    ++(found->hit ? built.work.mesh_hits : built.work.mesh_misses);
+    if (found->from_disk) ++built.work.mesh_disk_hits;
+    if (!found->hit) {
+        built.work.rays_traced = found->mesh->rays_traced;
+        built.work.ray_surfaces = found->mesh->ray_surfaces;
+    }
+    const Iris& iris = scene_.iris;
+    const auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
+                                                              iris.outer_radius());
+    if (surface->cells().empty()) return built;
+
+    const LightBundle bundle = BundleOf(lens, light);
+    if (with_flux) {
+        built.flux_mm2 =
+            EstimateOf(*surface, bundle, lens, flux_tables_, iris, light.pose).flux_mm2;
+    }
+    PictureMap map = MapOf(scene_.request, light.pose);
+    if (tile_picture_) map = tile_picture_->MapFromMiddle(map);
+    std::vector<GhostLight::Cell> cells =
+        CellsInWindow(*surface, bounded_nm_, iris, map,
+                      tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
+    built.work.cells = cells.size();
+    LightColour colour = ColourOf(light, weight);
+    if (!cells.empty()) {
+        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, cells);
+        built.miss = MeshMissOf(*surface, in_frame, map);
+        if (!colour.spectral) colour.dispersion_px = DispersionPx(*surface, in_frame, map);
+    }
+    MaskFields masks;
+    if (tile_picture_) {
+        masks = MasksOf(*surface, cells, iris);
+        AddRing(*surface, map, tile_picture_->padded(), cells);
+        const bool any =
+            std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.ring; });
+        if (!any) return built;
+    }
+    GhostLight& ghost = built.ghost.light;
+    ghost = PrepareGhost(surface, bundle, lens, tables_, colour, std::move(cells));
+    if (ghost.bands.size() > 1) {
+        built.dispersion_step_px =
+            colour.dispersion_px / static_cast<double>(ghost.bands.size() - 1);
+    }
+    if (tile_picture_) {
+        ghost.masks = std::move(masks);
+        built.ghost.tiles = TilesOf(ghost, iris, map, tile_picture_->padded(),
+                                    *scene_.settings.tiles, tile_picture_->unit());
+    }
+    return built;
+}
+
+// The cells of the whole frame, whatever window `cells` are those of.
+std::vector<GhostLight::Cell> GhostBuilder::InFrame(
+    const GhostSurface& surface, const PictureMap& map,
+    const std::vector<GhostLight::Cell>& cells) const {
+    const PixelWindow frame{0, 0, scene_.request.image.width, scene_.request.image.height};
+    if (!tile_picture_) {
+        return scene_.window == frame
+                   ? cells
+                   : CellsInWindow(surface, bounded_nm_, scene_.iris, map, WalkWindowOf(frame));
+    }
+    const WalkWindow around = WalkWindowOf(tile_picture_->FromMiddle(frame));
+    std::vector<GhostLight::Cell> touching;
+    for (const GhostLight::Cell& cell : cells) {
+        if (Touches(cell, around)) touching.push_back(cell);
+    }
+    return touching;
+}
+
+}  // namespace flare

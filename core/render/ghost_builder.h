@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One ghost of one light, ready to draw: its mesh, the cells that reach the picture, light and
+// colour at their vertices, and for the fast picture its tiles.
+#pragma once
+
+#include <optional>
+
+#include "core/render/error_estimate.h"
+#include "core/render/ghost_light.h"
+#include "core/render/lights.h"
+#include "core/render/render_scene.h"
+#include "core/render/renderer.h"
+#include "core/render/tile_picture.h"
+
+namespace flare {
+
+class GhostBuilder {
+  public:
+    // `tile_picture` is null where the picture is drawn by polygons alone. The arguments must
+    // outlive the builder.
+    GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
+                 const RenderContext& context);
+
+    struct Built {
+        TiledGhost ghost;  // empty if none of it reaches the picture
+        MeshMiss miss;
+        std::optional<double> dispersion_step_px;  // if drawn at more than one wavelength
+        double flux_mm2 = 0.0;  // on the whole sensor plane, if asked for: see GhostFacts
+        Work work;
+    };
+    // The ghost drawn with `weight`. Empty when cancelled. Threads may call it at once.
+    Built Build(const PlacedLight& light, const BounceSequence& sequence, double weight,
+                bool with_flux) const;
+
+  private:
+    LightColour ColourOf(const PlacedLight& light, double weight) const;
+    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const PictureMap& map,
+                                          const std::vector<GhostLight::Cell>& cells) const;
+
+    const RenderScene& scene_;
+    const TilePicture* tile_picture_;
+    const RenderContext& context_;
+    TransmissionTables tables_;
+    TransmissionTables flux_tables_;
+    std::vector<double> bounded_nm_;  // wavelengths that bound where the ghost lands
+};
+
+}  // namespace flare

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The ghosts of all lights: chooses those that are worth drawing, builds them in batches (to bound
+// memory) and adds them to one picture, light after light.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/render/ghost_builder.h"
+#include "core/render/ghost_list.h"
+#include "core/render/ghost_plan.h"
+#include "core/render/picture.h"
+
+namespace flare {
+
+class GhostLayer {
+  public:
+    // The arguments must outlive the layer; facts and work are added to `report`.
+    GhostLayer(const RenderScene& scene, const RenderContext& context, Report& report);
+
+    // Adds a light's ghosts. `reported`: their fluxes stand in the report. Error: cancelled.
+    std::optional<Error> Add(const PlacedLight& light, bool reported);
+    // After the last light: what was never drawn, and the error.
+    void Finish();
+
+    // The layer's planes (RenderScene::channel_count), light in a pixel times `scale`.
+    std::vector<std::vector<float>> Resolve(double scale);
+
+  private:
+    // Exact polygons, or tiles: one of the two.
+    void MakePicture();
+    std::vector<PlannedGhost> PlanGhosts(const PlacedLight& light,
+                                         const std::vector<std::size_t>& indices, bool reported);
+    std::optional<Error> AddFourReflections(const PlacedLight& light,
+                                            std::vector<std::size_t>& ghosts_of_light);
+    void AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned, bool reported);
+    void Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map);
+    void AddWork(const Work& work);
+
+    const RenderScene& scene_;
+    const RenderContext& context_;
+    Report& report_;
+    std::optional<Picture> picture_;
+    std::optional<TilePicture> tile_picture_;
+    std::vector<BounceSequence> sequences_;        // of two reflections
+    std::map<BounceSequence, std::size_t> fours_;  // of four: place in the report
+    std::optional<GhostBuilder> builder_;
+    GhostPlanner planner_;
+    ErrorEstimate error_;
+    std::vector<bool> drawn_;  // each ghost of the report, for some light
+};
+
+}  // namespace flare
