@@ -47,6 +47,8 @@ inline constexpr double kMaxAngularDiameter_deg = 20.0;
 // The starburst.
 inline constexpr double kMaxJitter_deg = 180.0;
 inline constexpr int kMaxJitterCount = 32;
+inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;
+inline constexpr double kMaxTimeBudget_ms = 600'000.0;
 inline constexpr int kMaxSeed = 2'147'483'647;
 
 // The lens.

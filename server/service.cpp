@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/service.h"
 
+#include <utility>
+
 #include "core/image/exr.h"
 #include "core/image/preview.h"
 #include "core/render/renderer.h"
@@ -65,6 +67,13 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     if (!rendering) return rendering.error();
     FlareImage& image = rendering->image;
     Report& report = rendering->report;
+    // What was looked for is from here on what was found, in the hash as well: asked for by its
+    // tolerance the picture has the same bytes.
+    const Quality asked = std::exchange(request->quality, rendering->quality);
+    if (!asked.IsPlan()) {
+        wire_request.quality = {};
+        wire_request.quality.tolerance = rendering->quality.tolerance;
+    }
 
     // Encode the picture with the facts that follow from the request alone.
     ReplyFacts facts;
@@ -78,6 +87,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     const double start_ms = context.now_ms();
     Picture picture = Encode(image, format, wire_request.output, context);
     facts.encode_ms = context.now_ms() - start_ms;
+    facts.asked = asked;
     facts.content_type = picture.content_type;
     facts.window = image.data;
     facts.bytes = picture.bytes.size();

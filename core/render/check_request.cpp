@@ -133,6 +133,23 @@ std::optional<Error> CheckWavelengths(const FlareRequest& request) {
     return std::nullopt;
 }
 
+std::optional<Error> CheckQuality(const Quality& quality) {
+    const auto given = [](const std::optional<double>& value) { return value ? 1 : 0; };
+    if (given(quality.tolerance) + given(quality.max_error) + given(quality.time_budget_ms) > 1) {
+        return Bad("/quality", "names more than one of tolerance, max_error and time_budget_ms");
+    }
+    const auto within = [](const std::optional<double>& value) {
+        return !value || (*value >= kMinTolerance && *value <= kMaxTolerance);
+    };
+    if (!within(quality.tolerance)) return Bad("/quality/tolerance", "must be 0.001 to 0.25");
+    if (!within(quality.max_error)) return Bad("/quality/max_error", "must be 0.001 to 0.25");
+    if (quality.time_budget_ms &&
+        !(*quality.time_budget_ms > 0.0 && *quality.time_budget_ms <= kMaxTimeBudget_ms)) {
+        return Bad("/quality/time_budget_ms", "must be above 0 and at most 600000");
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> CheckModel(const FlareRequest& request) {
     const ModelSpec& model = request.model;
     if (model.reflections != 2 && model.reflections != 4) {
@@ -159,6 +176,7 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
     }
     if (auto error = CheckModel(request)) return error;
     if (auto error = CheckStarburst(request)) return error;
+    if (auto error = CheckQuality(request.quality)) return error;
     const IrisShape& iris = request.iris;
     if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
         return Bad("/iris/blades", "must be 0 (round) or 3 to 32");

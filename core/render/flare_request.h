@@ -24,6 +24,29 @@ enum class Units { kSceneLinear, kSensorIrradiance };
 enum class ColorMode { kLinRec709, kSpectral };
 enum class QualityPreset { kDraft, kPreview, kFinal, kReference };
 
+// How good the picture is to be: a preset, or one of the three others, which take its place.
+struct Quality {
+    QualityPreset preset = QualityPreset::kPreview;
+    // A point between the presets (quality.h): about the rel_l1 that it leaves.
+    std::optional<double> tolerance;
+    // The coarsest tolerance whose estimated rel_l1 is no larger (quality_search.h).
+    std::optional<double> max_error;
+    // The finest tolerance that is expected to be done in time.
+    std::optional<double> time_budget_ms;
+
+    Quality() = default;
+    Quality(QualityPreset one_of_four) : preset(one_of_four) {}  // NOLINT: every preset is one
+    static Quality Tolerance(double tolerance) {
+        Quality quality;
+        quality.tolerance = tolerance;
+        return quality;
+    }
+    // Is it known what to draw, or must that be looked for?
+    bool IsPlan() const { return !max_error && !time_budget_ms; }
+
+    friend bool operator==(const Quality&, const Quality&) = default;
+};
+
 struct ImageSpec {
     int width = 0, height = 0;  // of the full frame, pixels
     double sensor_width_mm = 36.0;
@@ -90,7 +113,7 @@ struct FlareRequest {
     Units units = Units::kSceneLinear;
     ColorMode color = ColorMode::kLinRec709;
     std::vector<double> wavelengths_nm;  // for kSpectral
-    QualityPreset quality = QualityPreset::kPreview;
+    Quality quality;
 };
 
 // Limits of a request; the wire has its own copy in protocol/limits.h and the two are tested equal.
@@ -102,5 +125,7 @@ inline constexpr double kMaxFourReflectionThreshold = 1e6;
 inline constexpr double kMaxAngularDiameter_deg = 20.0;
 inline constexpr double kMaxJitter_deg = 180.0;
 inline constexpr int kMaxJitterCount = 32;
+inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;
+inline constexpr double kMaxTimeBudget_ms = 600'000.0;
 
 }  // namespace flare

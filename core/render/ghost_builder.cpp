@@ -52,53 +52,73 @@ LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) cons
     return colour;
 }
 
-GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
-                                        double weight, bool with_flux) const {
-    Built built;
-    if (context_.cancel.cancelled()) return built;
+GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
+                                           const BounceSequence& sequence) const {
+    Located located;
+    if (context_.cancel.cancelled()) return located;
     const Lens& lens = scene_.lens;
     const MeshSpec spec = MeshSpecFor(scene_.request, sequence, light);
     const Result<MeshProvider::Found> found = context_.meshes.Get(
         MeshKey(lens, spec), [&] { return BuildMesh(lens, spec); }, context_.cancel);
-    if (!found) return built;
-    ++(found->hit ? built.work.mesh_hits : built.work.mesh_misses);
-    if (found->from_disk) ++built.work.mesh_disk_hits;
+    if (!found) return located;
+    Work& work = located.work;
+    ++(found->hit ? work.mesh_hits : work.mesh_misses);
+    if (found->from_disk) ++work.mesh_disk_hits;
     if (!found->hit) {
-        built.work.rays_traced = found->mesh->rays_traced;
-        built.work.ray_surfaces = found->mesh->ray_surfaces;
+        work.rays_traced = found->mesh->rays_traced;
+        work.ray_surfaces = found->mesh->ray_surfaces;
     }
     const Iris& iris = scene_.iris;
-    const auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
-                                                              iris.outer_radius());
-    if (surface->cells().empty()) return built;
+    auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
+                                                        iris.outer_radius());
+    if (surface->cells().empty()) return located;
 
+    const PictureMap map = MapFor(light);
+    located.cells = CellsInWindow(*surface, bounded_nm_, iris, map,
+                                  tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
+    work.cells = located.cells.size();
+    if (!located.cells.empty()) {
+        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, located.cells);
+        located.miss = MeshMissOf(*surface, in_frame, map);
+        if (!scene_.spectral()) located.dispersion_px = DispersionPx(*surface, in_frame, map);
+    }
+    located.surface = std::move(surface);
+    return located;
+}
+
+PictureMap GhostBuilder::MapFor(const PlacedLight& light) const {
+    const PictureMap map = MapOf(scene_.request, light.pose);
+    return tile_picture_ ? tile_picture_->MapFromMiddle(map) : map;
+}
+
+GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
+                                        double weight, bool with_flux) const {
+    Located located = Locate(light, sequence);
+    Built built;
+    built.work = located.work;
+    built.miss = located.miss;
+    if (!located.surface) return built;
+    const GhostSurface& surface = *located.surface;
+    std::vector<GhostLight::Cell>& cells = located.cells;
+    const Lens& lens = scene_.lens;
+    const Iris& iris = scene_.iris;
     const LightBundle bundle = BundleOf(lens, light);
     if (with_flux) {
-        built.flux_mm2 =
-            EstimateOf(*surface, bundle, lens, flux_tables_, iris, light.pose).flux_mm2;
+        built.flux_mm2 = EstimateOf(surface, bundle, lens, flux_tables_, iris, light.pose).flux_mm2;
     }
-    PictureMap map = MapOf(scene_.request, light.pose);
-    if (tile_picture_) map = tile_picture_->MapFromMiddle(map);
-    std::vector<GhostLight::Cell> cells =
-        CellsInWindow(*surface, bounded_nm_, iris, map,
-                      tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
-    built.work.cells = cells.size();
-    LightColour colour = ColourOf(light, weight);
-    if (!cells.empty()) {
-        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, cells);
-        built.miss = MeshMissOf(*surface, in_frame, map);
-        if (!colour.spectral) colour.dispersion_px = DispersionPx(*surface, in_frame, map);
-    }
+    const PictureMap map = MapFor(light);
     MaskFields masks;
     if (tile_picture_) {
-        masks = MasksOf(*surface, cells, iris);
-        AddRing(*surface, map, tile_picture_->padded(), cells);
+        masks = MasksOf(surface, cells, iris);
+        AddRing(surface, map, tile_picture_->padded(), cells);
         const bool any =
             std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.ring; });
         if (!any) return built;
     }
+    LightColour colour = ColourOf(light, weight);
+    colour.dispersion_px = located.dispersion_px;
     GhostLight& ghost = built.ghost.light;
-    ghost = PrepareGhost(surface, bundle, lens, tables_, colour, std::move(cells));
+    ghost = PrepareGhost(located.surface, bundle, lens, tables_, colour, std::move(cells));
     if (ghost.bands.size() > 1) {
         built.dispersion_step_px =
             colour.dispersion_px / static_cast<double>(ghost.bands.size() - 1);

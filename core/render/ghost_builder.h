@@ -22,6 +22,17 @@ class GhostBuilder {
     GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
                  const RenderContext& context);
 
+    // Where a ghost lands, before it gets any light.
+    struct Located {
+        std::shared_ptr<const GhostSurface> surface;  // null if nothing passes
+        std::vector<GhostLight::Cell> cells;          // that may reach the picture
+        MeshMiss miss;
+        double dispersion_px = 0.0;  // see LightColour; 0 in a spectral picture
+        Work work;
+    };
+    // Null when cancelled. Threads may call it at once.
+    Located Locate(const PlacedLight& light, const BounceSequence& sequence) const;
+
     struct Built {
         TiledGhost ghost;  // empty if none of it reaches the picture
         MeshMiss miss;
@@ -34,6 +45,8 @@ class GhostBuilder {
                 bool with_flux) const;
 
   private:
+    // To the picture, or to the tiles'.
+    PictureMap MapFor(const PlacedLight& light) const;
     LightColour ColourOf(const PlacedLight& light, double weight) const;
     std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const PictureMap& map,
                                           const std::vector<GhostLight::Cell>& cells) const;

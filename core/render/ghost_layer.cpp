@@ -119,7 +119,8 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
     for (const std::size_t i : indices) {
         sequences.push_back(report_.facts.ghosts[i].sequence);
     }
-    GhostPlan plan = planner_.Plan(light, sequences, context_);
+    GhostPlan plan =
+        planner_.Plan(sequences, planner_.Sample(light, sequences, context_), scene_.settings);
     Facts& facts = report_.facts;
     facts.culling.culled += plan.facts.culled;
     facts.culling.faded += plan.facts.faded;

@@ -196,6 +196,13 @@ double DispersionPx(const GhostSurface& surface, const std::vector<GhostLight::C
     return largest;
 }
 
+int DrawnWavelengths(const LightColour& colour) {
+    const double px = colour.dispersion_px;
+    // One wavelength a step; but a small picture gets one a pixel, up to five.
+    const double steps = std::max(px / colour.dispersion_step_px, std::min(px, 5.0));
+    return 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
+}
+
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
                         const Lens& lens, const TransmissionTables& tables,
                         const LightColour& colour, std::vector<GhostLight::Cell> cells) {
@@ -210,11 +217,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     std::vector<double> drawn = tables.wavelengths_nm();
     std::vector<BandShare> shares;
     if (!colour.spectral) {
-        const double px = colour.dispersion_px;
-        // One wavelength a step; but a small picture gets one a pixel, up to five.
-        const double steps = std::max(px / colour.dispersion_step_px, std::min(px, 5.0));
-        const int count = 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
-        drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, count);
+        drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, DrawnWavelengths(colour));
         shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
     }
 

@@ -51,6 +51,9 @@ void AddRing(const GhostSurface& surface, const PictureMap& map, const PixelWind
 double DispersionPx(const GhostSurface& surface, const std::vector<GhostLight::Cell>& cells,
                     const PictureMap& map);
 
+// At how many wavelengths a ghost in colour is drawn.
+int DrawnWavelengths(const LightColour& colour);
+
 // `tables` holds the colour bands (colour) or the request's wavelengths (spectral).
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
                         const Lens& lens, const TransmissionTables& tables,

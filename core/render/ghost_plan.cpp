@@ -53,8 +53,9 @@ GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double
       scene_factor_(scene_factor),
       tables_(*request.lens, SampledWavelengths(request), threads) {}
 
-GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
-                             const RenderContext& context) const {
+std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
+                                              const std::vector<BounceSequence>& sequences,
+                                              const RenderContext& context) const {
     const Vec3d& e = light.irradiance;
     const LightBundle bundle = BundleOf(*request_.lens, light);
     SampleScene scene{
@@ -71,8 +72,13 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
         const auto n = static_cast<std::size_t>(i);
         samples[n] = SampleGhost(scene, sequences[n]);
     });
+    return samples;
+}
 
-    const std::vector<double> weights = Weights(sequences, samples);
+GhostPlan GhostPlanner::Plan(const std::vector<BounceSequence>& sequences,
+                             const std::vector<GhostSample>& samples,
+                             const QualitySettings& settings) const {
+    const std::vector<double> weights = Weights(sequences, samples, settings);
     GhostPlan plan;
     for (std::size_t n = 0; n < samples.size(); ++n) {
         const GhostSample& sample = samples[n];
@@ -90,7 +96,8 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
 }
 
 std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& sequences,
-                                          const std::vector<GhostSample>& samples) const {
+                                          const std::vector<GhostSample>& samples,
+                                          const QualitySettings& settings) const {
     const ImageSpec& image = request_.image;
     const double frame_px2 = static_cast<double>(image.width) * image.height;
     std::vector<GhostSample> of_two;
@@ -105,7 +112,6 @@ std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& seq
         }
         weights = CullByOldRules(of_two, crossings, frame_px2);
     } else if (request_.model.culling == CullingRule::kAuto) {
-        const QualitySettings settings = SettingsOf(request_.quality);
         const Vec2d pitch = PixelPitch(request_);
         double light = 0.0;
         for (const GhostSample& sample : of_two) light += sample.frame_light;

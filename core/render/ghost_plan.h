@@ -12,6 +12,7 @@
 #include "core/render/error_estimate.h"
 #include "core/render/ghost_sample.h"
 #include "core/render/lights.h"
+#include "core/render/quality.h"
 #include "core/render/renderer.h"
 
 namespace flare {
@@ -39,14 +40,19 @@ class GhostPlanner {
     GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
                  ThreadPool& threads);
 
-    // Only ghosts of two reflections are culled: those of four have been chosen already. Unfinished
-    // when cancelled.
-    GhostPlan Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
-                   const RenderContext& context) const;
+    // A light's ghosts looked at, one sample a sequence. Unfinished when cancelled.
+    std::vector<GhostSample> Sample(const PlacedLight& light,
+                                    const std::vector<BounceSequence>& sequences,
+                                    const RenderContext& context) const;
+    // What to draw of them at these settings. Only ghosts of two reflections are culled: those of
+    // four have been chosen already.
+    GhostPlan Plan(const std::vector<BounceSequence>& sequences,
+                   const std::vector<GhostSample>& samples, const QualitySettings& settings) const;
 
   private:
     std::vector<double> Weights(const std::vector<BounceSequence>& sequences,
-                                const std::vector<GhostSample>& samples) const;
+                                const std::vector<GhostSample>& samples,
+                                const QualitySettings& settings) const;
 
     const FlareRequest& request_;
     const Iris& iris_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a quality preset means: how densely a ghost is traced, coloured and cut up.
+// What a quality means: how densely a ghost is traced, coloured and cut up. All settings follow
+// from one tolerance, about the rel_l1 that they leave: draft is 0.05, preview 0.02, final 0.005;
+// between those they go smoothly in its logarithm, but for the mesh, which stays that of the
+// nearest preset so that tolerances share cached meshes. `reference` stands apart.
 #pragma once
 
 #include <optional>
@@ -31,7 +34,13 @@ struct QualitySettings {
     double culled_share = 0.25;
 };
 
-QualitySettings SettingsOf(QualityPreset preset);
+// Of a plan; a quality that is to be looked for gets those of its preset.
+QualitySettings SettingsOf(const Quality& quality);
+QualitySettings SettingsFor(double tolerance);
+
+// What a picture costs with its meshes at hand, against the coarsest tolerance: measured on four
+// lenses, and towards the dearest of them (docs/accuracy.md). A guess, for planning alone.
+double RelativeCost(double tolerance);
 
 // Layers of the lens's most elaborate coating.
 std::size_t MostCoatingLayers(const Lens& lens);

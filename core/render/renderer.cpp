@@ -7,6 +7,7 @@
 #include "core/base/units.h"
 #include "core/render/ghost_layer.h"
 #include "core/render/lights.h"
+#include "core/render/quality_search.h"
 #include "core/render/render_scene.h"
 #include "core/render/starburst_layer.h"
 #include "core/tracing/chief_ray.h"
@@ -49,7 +50,7 @@ class Job {
         }
         if (ghosts_) ghosts_->Finish();
         if (starburst_) report_.facts.starburst = starburst_->facts();
-        return Rendering{Resolve(), std::move(report_)};
+        return Rendering{Resolve(), std::move(report_), request_.quality};
     }
 
   private:
@@ -130,7 +131,11 @@ class Job {
 
 Result<Rendering> Render(const FlareRequest& request, const RenderContext& context) {
     if (const std::optional<Error> error = CheckRequest(request)) return *error;
-    return Job(request, context).Run();
+    const auto draw = [](const FlareRequest& plan, const RenderContext& drawing) {
+        return Job(plan, drawing).Run();
+    };
+    if (request.quality.IsPlan()) return draw(request, context);
+    return RenderSearched(request, context, draw);
 }
 
 }  // namespace flare

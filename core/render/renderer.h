@@ -27,6 +27,7 @@ struct RenderContext {
 struct Rendering {
     FlareImage image;
     Report report;
+    Quality quality;  // that was drawn: the request's, or what was found for it
 };
 
 // Errors name the request's field by JSON pointer; code "cancelled" if the token was set.

@@ -85,6 +85,13 @@ struct Facts {
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder
 };
 
+// What looking for a plan took (quality_search.h).
+struct SearchWork {
+    std::uint64_t pictures = 0;  // drawn, the answer included
+    std::uint64_t overruns = 0;  // of them called off
+    double total_ms = 0.0;       // of all of them and the survey
+};
+
 struct Work {
     std::uint64_t rays_traced = 0;
     std::uint64_t ray_surfaces = 0;
@@ -95,6 +102,7 @@ struct Work {
     std::uint64_t mesh_hits = 0, mesh_misses = 0;
     std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
     // Setup: coating tables, plans and the picture's memory, before the first light.
+    std::optional<SearchWork> search;
     double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
 };
 

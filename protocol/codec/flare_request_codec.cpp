@@ -157,7 +157,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                                                   request.units);
                    }) &&
            IfGiven(root, "quality",
-                   [&](const JsonView& v) { return ReadQuality(reader, v, request.preset); }) &&
+                   [&](const JsonView& v) { return ReadQuality(reader, v, request.quality); }) &&
            IfGiven(root, "model",
                    [&](const JsonView& v) { return ReadModel(reader, v, request.model); }) &&
            IfGiven(root, "output",

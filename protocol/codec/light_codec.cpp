@@ -83,16 +83,37 @@ bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
     return true;
 }
 
-bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset) {
-    std::optional<JsonView> word;
-    return reader.Object(at, {"preset"}, {"max_error", "time_budget_ms", "method"}) &&
-           reader.Require(at, "preset", word) &&
-           reader.OneOf<Preset>(*word,
-                                {{"draft", Preset::kDraft},
-                                 {"preview", Preset::kPreview},
-                                 {"final", Preset::kFinal},
-                                 {"reference", Preset::kReference}},
-                                preset);
+bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality) {
+    if (!reader.Object(at, {"preset", "tolerance", "max_error", "time_budget_ms"}, {"method"}))
+        return false;
+    int given = 0;
+    for (const char* const name : {"preset", "tolerance", "max_error", "time_budget_ms"}) {
+        given += at.Find(name) ? 1 : 0;
+    }
+    if (given != 1) {
+        return reader.RefuseMember(at, "preset", given == 0 ? "missing_field" : "bad_value",
+                                   "a quality is one of \"preset\", \"tolerance\", \"max_error\" "
+                                   "and \"time_budget_ms\"");
+    }
+    const auto number = [&](const char* name, Range range, std::optional<double>& value) {
+        return IfGiven(at, name,
+                       [&](const JsonView& v) { return reader.Number(v, range, value.emplace()); });
+    };
+    return IfGiven(at, "preset",
+                   [&](const JsonView& v) {
+                       return reader.OneOf<Preset>(v,
+                                                   {{"draft", Preset::kDraft},
+                                                    {"preview", Preset::kPreview},
+                                                    {"final", Preset::kFinal},
+                                                    {"reference", Preset::kReference}},
+                                                   quality.preset);
+                   }) &&
+           number("tolerance", Between(limits::kMinTolerance, limits::kMaxTolerance),
+                  quality.tolerance) &&
+           number("max_error", Between(limits::kMinTolerance, limits::kMaxTolerance),
+                  quality.max_error) &&
+           number("time_budget_ms", AboveZeroUpTo(limits::kMaxTimeBudget_ms),
+                  quality.time_budget_ms);
 }
 
 bool ReadModel(Reader& reader, const JsonView& at, Model& model) {

@@ -14,7 +14,7 @@ namespace flare::wire {
 // `spectral`: irradiances may be one number. `points`: only lights without extent are supported.
 bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
                 std::vector<Light>& lights);
-bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset);
+bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality);
 bool ReadModel(Reader& reader, const JsonView& at, Model& model);
 
 }  // namespace flare::wire

@@ -41,6 +41,17 @@ bool ReadWarmModel(Reader& reader, const JsonView& at, Model& model) {
                "ghosts of four reflections are chosen when a picture asks for them");
 }
 
+bool ReadWarmQuality(Reader& reader, const JsonView& at, Quality& quality) {
+    if (!ReadQuality(reader, at, quality)) return false;
+    for (const char* const name : {"max_error", "time_budget_ms"}) {
+        if (const std::optional<JsonView> given = at.Find(name)) {
+            return reader.Refuse(*given, "bad_value",
+                                 "meshes are those of a preset or a tolerance");
+        }
+    }
+    return true;
+}
+
 bool ReadPlaces(Reader& reader, const JsonView& root, WarmRequest& request) {
     const std::optional<JsonView> lights = root.Find("lights"), field = root.Find("field_deg");
     if (!lights == !field) {
@@ -74,7 +85,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, WarmRequest& request) {
                               CheckPictureSize(reader, v, *request.image, 3);
                    }) &&
            IfGiven(root, "quality",
-                   [&](const JsonView& v) { return ReadQuality(reader, v, request.preset); }) &&
+                   [&](const JsonView& v) { return ReadWarmQuality(reader, v, request.quality); }) &&
            IfGiven(root, "model",
                    [&](const JsonView& v) { return ReadWarmModel(reader, v, request.model); }) &&
            IfGiven(root, "azimuth_deg",

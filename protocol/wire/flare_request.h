@@ -70,6 +70,12 @@ struct Light {
     double angular_diameter_deg = 0.0;  // above 0 only without ghosts
 };
 
+// One preset; or one of the three numbers, and then the preset means nothing.
+struct Quality {
+    Preset preset = Preset::kPreview;
+    std::optional<double> tolerance, max_error, time_budget_ms;
+};
+
 struct Output {
     Compression compression = Compression::kZip;
     PixelType pixel = PixelType::kHalf;
@@ -91,7 +97,7 @@ struct FlareRequest {
     Units units = Units::kSceneLinear;
     ColorSpace color_space = ColorSpace::kLinRec709;
     std::vector<double> wavelengths_nm;  // for kSpectral: at least one, all different
-    Preset preset = Preset::kPreview;
+    Quality quality;
     Layers layers;
     Starburst starburst;
     Model model;

@@ -20,7 +20,7 @@ struct FieldAngles {
 // Exactly one of lights and field is there; lights placed by pixel come with an image.
 struct WarmRequest {
     LensChoice lens;
-    Preset preset = Preset::kPreview;
+    Quality quality;  // a preset or a tolerance
     Model model;
     std::optional<Image> image;
     std::vector<Light> lights;

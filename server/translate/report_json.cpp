@@ -12,7 +12,7 @@ namespace {
 
 using wire::JsonWriter;
 
-std::string_view QualityName(QualityPreset preset) {
+std::string_view PresetName(QualityPreset preset) {
     switch (preset) {
         case QualityPreset::kDraft:
             return "draft";
@@ -24,6 +24,20 @@ std::string_view QualityName(QualityPreset preset) {
             return "reference";
     }
     return "preview";
+}
+
+void WriteQuality(JsonWriter& json, const Quality& quality) {
+    json.BeginInlineObject();
+    if (quality.tolerance) {
+        json.Member("tolerance", *quality.tolerance);
+    } else if (quality.max_error) {
+        json.Member("max_error", *quality.max_error);
+    } else if (quality.time_budget_ms) {
+        json.Member("time_budget_ms", *quality.time_budget_ms);
+    } else {
+        json.Member("preset", PresetName(quality.preset));
+    }
+    json.End();
 }
 
 void TextMember(JsonWriter& json, std::string_view name, const std::string& text) {
@@ -65,6 +79,8 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Member("culling", error.culling).Member("dispersion", error.dispersion);
     json.Member("colour", error.colour).Member("mesh", error.mesh);
     json.Member("pieces", error.pieces).End();
+    json.Key("plan");
+    WriteQuality(json, request.quality);
 }
 
 std::string_view CullingName(CullingRule rule) {
@@ -95,6 +111,11 @@ void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Member("mesh_cache_hits", work.mesh_hits).Member("mesh_cache_misses", work.mesh_misses);
     json.Member("mesh_disk_hits", work.mesh_disk_hits);
     json.Member("threads", reply.threads);
+    if (work.search) {
+        json.Key("search").BeginInlineObject().Member("pictures", work.search->pictures);
+        json.Member("overruns", work.search->overruns);
+        json.Member("total_ms", work.search->total_ms).End();
+    }
     json.Key("time_ms").BeginInlineObject();
     json.Member("setup", work.setup_ms).Member("cull", work.cull_ms);
     json.Member("mesh", work.mesh_ms).Member("raster", work.raster_ms);
@@ -168,7 +189,8 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
     json.Member("scene_linear_factor", facts.scene_linear_factor);
     json.Member("squeeze", facts.squeeze).Member("desqueezed", request.image.desqueeze);
     json.Member("color_space", request.color == ColorMode::kSpectral ? "spectral" : "lin_rec709");
-    json.Key("quality").BeginInlineObject().Member("preset", QualityName(request.quality)).End();
+    json.Key("quality");
+    WriteQuality(json, reply.asked);
     WriteModel(json, request.model);
     WriteClamped(json, facts.clamped);
     json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));

@@ -17,6 +17,7 @@ namespace flare {
 struct ReplyFacts {
     std::string id;  // of the report
     std::string request_hash;
+    Quality asked;  // the request's quality; the request itself holds what was drawn
     std::string content_type;
     PixelWindow window;       // of the picture
     std::uint64_t bytes = 0;  // of the encoded picture

@@ -21,7 +21,7 @@ Projection ProjectionFromWire(wire::Projection projection) {
     return Projection::kAuto;
 }
 
-QualityPreset QualityFromWire(wire::Preset preset) {
+QualityPreset PresetFromWire(wire::Preset preset) {
     switch (preset) {
         case wire::Preset::kDraft:
             return QualityPreset::kDraft;
@@ -115,7 +115,10 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.color = request.color_space == wire::ColorSpace::kSpectral ? ColorMode::kSpectral
                                                                           : ColorMode::kLinRec709;
     translated.wavelengths_nm = request.wavelengths_nm;
-    translated.quality = QualityFromWire(request.preset);
+    translated.quality = PresetFromWire(request.quality.preset);
+    translated.quality.tolerance = request.quality.tolerance;
+    translated.quality.max_error = request.quality.max_error;
+    translated.quality.time_budget_ms = request.quality.time_budget_ms;
     return translated;
 }
 

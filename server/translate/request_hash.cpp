@@ -101,7 +101,10 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     hash.Add(static_cast<int>(request.units)).Add(static_cast<int>(request.color_space));
     hash.Add(static_cast<std::int64_t>(request.wavelengths_nm.size()));
     for (const double wavelength_nm : request.wavelengths_nm) hash.Add(wavelength_nm);
-    hash.Add(static_cast<int>(request.preset));
+    hash.Add(static_cast<int>(request.quality.preset));
+    Add(hash, request.quality.tolerance);
+    Add(hash, request.quality.max_error);
+    Add(hash, request.quality.time_budget_ms);
     Add(hash, request.model);
     hash.Add(request.layers.ghosts).Add(request.layers.starburst);
     if (request.layers.starburst) Add(hash, request.starburst);

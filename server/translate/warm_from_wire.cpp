@@ -41,7 +41,7 @@ Result<FlareRequest> WarmFromWire(std::string_view body, const LensLibrary& libr
     const auto& warm = std::get<wire::WarmRequest>(decoded);
     wire::FlareRequest picture;
     picture.lens = warm.lens;
-    picture.preset = warm.preset;
+    picture.quality = warm.quality;
     picture.model = warm.model;
     picture.image = warm.image ? *warm.image : AnyImage();
     picture.lights = warm.field ? LightsOf(*warm.field, warm.azimuth_deg) : warm.lights;

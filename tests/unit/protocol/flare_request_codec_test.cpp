@@ -40,7 +40,7 @@ TEST(FlareRequestCodec, FillsInTheDefaultsOfTheContract) {
     EXPECT_EQ(request.iris.blades, 0);
     EXPECT_EQ(request.units, Units::kSceneLinear);
     EXPECT_EQ(request.color_space, ColorSpace::kLinRec709);
-    EXPECT_EQ(request.preset, Preset::kPreview);
+    EXPECT_EQ(request.quality.preset, Preset::kPreview);
     EXPECT_EQ(request.output.compression, Compression::kZip);
     EXPECT_EQ(request.output.pixel, PixelType::kHalf);
     EXPECT_EQ(request.image.projection, Projection::kDefault);
@@ -89,7 +89,7 @@ TEST(FlareRequestCodec, ReadsEveryFieldThatIsBuilt) {
     EXPECT_EQ(request.lights[1].pixel, (std::array<double, 2>{-400.5, 300}));
     EXPECT_FALSE(request.lights[1].direction.has_value());
     EXPECT_EQ(request.units, Units::kSensorIrradiance);
-    EXPECT_EQ(request.preset, Preset::kReference);
+    EXPECT_EQ(request.quality.preset, Preset::kReference);
     EXPECT_EQ(request.model.reflections, 4);
     EXPECT_EQ(request.model.four_reflection_threshold, 0.02);
     EXPECT_TRUE(request.model.sensor_reflection);
@@ -169,10 +169,19 @@ TEST(FlareRequestCodec, ReadsOverscan) {
 }
 
 TEST(FlareRequestCodec, TakesEveryQualityPreset) {
-    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"draft"})")).preset, Preset::kDraft);
-    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"preview"})")).preset, Preset::kPreview);
-    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"final"})")).preset, Preset::kFinal);
-    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"reference"})")).preset, Preset::kReference);
+    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"draft"})")).quality.preset, Preset::kDraft);
+    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"preview"})")).quality.preset, Preset::kPreview);
+    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"final"})")).quality.preset, Preset::kFinal);
+    EXPECT_EQ(Accepted(With(R"("quality":{"preset":"reference"})")).quality.preset,
+              Preset::kReference);
+}
+
+TEST(FlareRequestCodec, TakesAQualityByNumber) {
+    const Quality by_error = Accepted(With(R"("quality":{"max_error":0.02})")).quality;
+    EXPECT_EQ(by_error.max_error, 0.02);
+    EXPECT_FALSE(by_error.tolerance || by_error.time_budget_ms);
+    EXPECT_EQ(Accepted(With(R"("quality":{"tolerance":0.25})")).quality.tolerance, 0.25);
+    EXPECT_EQ(Accepted(With(R"("quality":{"time_budget_ms":40})")).quality.time_budget_ms, 40.0);
 }
 
 TEST(FlareRequestCodec, TakesOneNumberAsSpectralIrradiance) {

@@ -23,7 +23,7 @@ TEST(WarmRequestCodec, ReadsLights) {
     EXPECT_EQ(request.lens.name, "x");
     EXPECT_EQ(request.lens.zoom_mm, 85.0);
     EXPECT_EQ(request.lens.focus_m, 2.0);
-    EXPECT_EQ(request.preset, Preset::kFinal);
+    EXPECT_EQ(request.quality.preset, Preset::kFinal);
     EXPECT_TRUE(request.model.sensor_reflection);
     ASSERT_EQ(request.lights.size(), 2U);
     EXPECT_EQ(request.lights[1].distance_m, 3.0);

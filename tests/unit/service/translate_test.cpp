@@ -274,6 +274,9 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(limits::kMaxAngularDiameter_deg, kMaxAngularDiameter_deg);
     EXPECT_EQ(limits::kMaxJitter_deg, kMaxJitter_deg);
     EXPECT_EQ(limits::kMaxJitterCount, kMaxJitterCount);
+    EXPECT_EQ(limits::kMinTolerance, kMinTolerance);
+    EXPECT_EQ(limits::kMaxTolerance, kMaxTolerance);
+    EXPECT_EQ(limits::kMaxTimeBudget_ms, kMaxTimeBudget_ms);
     EXPECT_EQ(static_cast<int>(limits::kSurfaces), kMaxSurfaces);
 }
 
