@@ -5,11 +5,10 @@
 // milliseconds and returns Error{"cancelled"}. Safe from any thread.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
-#include <chrono>
+#include <functional>
 #include <memory>
-#include <optional>
+#include <utility>
 
 namespace flare {
 
@@ -19,19 +18,20 @@ class CancelToken {
 
     void Cancel() const { flag_->store(true, std::memory_order_relaxed); }
     bool cancelled() const {
-        return flag_->load(std::memory_order_relaxed) ||
-               (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
+        return flag_->load(std::memory_order_relaxed) || (too_late_ && too_late_());
     }
 
-    // A copy that counts as cancelled from the deadline on as well.
-    CancelToken Until(std::chrono::steady_clock::time_point deadline) const {
+    // A copy that counts as cancelled as well when `too_late` says so; asked from any thread.
+    CancelToken OrWhen(std::function<bool()> too_late) const {
         CancelToken token = *this;
-        token.deadline_ = deadline_ ? std::min(*deadline_, deadline) : deadline;
+        token.too_late_ = [before = too_late_, too_late = std::move(too_late)] {
+            return too_late() || (before && before());
+        };
         return token;
     }
 
   private:
-    std::optional<std::chrono::steady_clock::time_point> deadline_;
+    std::function<bool()> too_late_;
     std::shared_ptr<std::atomic<bool>> flag_;
 };
 

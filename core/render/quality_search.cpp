@@ -2,7 +2,6 @@
 #include "core/render/quality_search.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/render/quality.h"
@@ -74,9 +73,10 @@ class Search {
             const double left_ms = end_ms - began_ms;
             const double next = FinestWithin(kFill * left_ms, took_ms, tolerance);
             if (next > kWorthwhile * tolerance) break;
-            const RenderContext guarded{context_.threads, context_.meshes,
-                                        context_.cancel.Until(DeadlineIn(left_ms)),
-                                        context_.now_ms};
+            const RenderContext guarded{
+                context_.threads, context_.meshes,
+                context_.cancel.OrWhen([&] { return context_.now_ms() > end_ms; }),
+                context_.now_ms};
             Result<Rendering> finer = Draw(next, guarded);
             if (!finer) {
                 if (context_.cancel.cancelled()) return finer;
@@ -118,12 +118,6 @@ class Search {
         search.overruns = overruns_;
         search.total_ms = context_.now_ms() - started_ms_;
         return rendering;
-    }
-
-    static std::chrono::steady_clock::time_point DeadlineIn(double ms) {
-        return std::chrono::steady_clock::now() +
-               std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                   std::chrono::duration<double, std::milli>(ms));
     }
 
     const FlareRequest& request_;

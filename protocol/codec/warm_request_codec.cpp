@@ -84,8 +84,9 @@ bool ReadRequest(Reader& reader, const JsonView& root, WarmRequest& request) {
                        return ReadImage(reader, v, request.image.emplace()) &&
                               CheckPictureSize(reader, v, *request.image, 3);
                    }) &&
-           IfGiven(root, "quality",
-                   [&](const JsonView& v) { return ReadWarmQuality(reader, v, request.quality); }) &&
+           IfGiven(
+               root, "quality",
+               [&](const JsonView& v) { return ReadWarmQuality(reader, v, request.quality); }) &&
            IfGiven(root, "model",
                    [&](const JsonView& v) { return ReadWarmModel(reader, v, request.model); }) &&
            IfGiven(root, "azimuth_deg",
