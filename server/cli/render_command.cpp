@@ -2,6 +2,7 @@
 //
 // flare render: the same request, in process or by a daemon, to the same bytes.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
 #include "protocol/client/client.h"
 #include "protocol/codec/json_document.h"
@@ -9,6 +10,7 @@
 #include "protocol/limits.h"
 #include "server/cli/app.h"
 #include "server/cli/encoder_view.h"
+#include "server/cli/explain.h"
 #include "server/cli/files.h"
 #include "server/cli/progress.h"
 #include "server/service.h"
@@ -24,6 +26,7 @@ struct RenderOptions {
     std::string lenses;
     std::string encoder;
     std::string config;
+    bool explain = false;
     int threads = ThreadsOfThisMachine();
 };
 
@@ -44,6 +47,7 @@ Result<Format> FormatOf(const std::string& output) {
 int WriteResults(const RenderOptions& options, const std::string& bytes,
                  const std::string& report) {
     if (const auto error = WriteOutput(options.output, bytes)) return Complain("", *error);
+    if (options.explain) std::fputs(ExplainReport(report).c_str(), stderr);
     if (options.report.empty()) return kDone;
     if (const auto error = WriteOutput(options.report, report)) return Complain("", *error);
     return kDone;
@@ -122,7 +126,7 @@ int RenderThere(const RenderOptions& options, const std::string& body, const For
     progress.reset();
     if (!reply.ok()) return ComplainOfServer(reply.error);
     if (reply.status != 200) return ComplainOfReply(options.request, reply);
-    if (options.report.empty()) return WriteResults(options, reply.body, "");
+    if (options.report.empty() && !options.explain) return WriteResults(options, reply.body, "");
 
     const Result<std::string> report = FetchReport(options, reply);
     if (!report) {
@@ -192,6 +196,9 @@ void AddRenderCommand(CLI::App& app, int& exit_code) {
             });
     command->add_option("--report", options->report, "Write the report, JSON, to a file or -")
         ->type_name("FILE");
+    command->add_flag("--explain", options->explain,
+                      "Say on standard error what was drawn, what was left out, and how much light "
+                      "that is");
     command->add_option("--lenses", options->lenses, "The folder of lens files")
         ->type_name("DIR")
         ->excludes(server);

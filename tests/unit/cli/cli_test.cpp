@@ -231,5 +231,18 @@ TEST(Fixed, ShowsNoMinusBeforeZero) {
     EXPECT_EQ(Fixed(-0.01, 2), "-0.01");
 }
 
+TEST_F(Cli, ExplainsAPictureInWords) {
+    std::string request = kRequest;
+    const std::string draft = R"({"preset":"draft"})";
+    request.replace(request.find(draft), draft.size(), R"({"max_error":0.1})");
+    ASSERT_EQ(Flare({"render", Written("r.json", request), "-o", File("r.exr"), "--explain"}), 0);
+    EXPECT_NE(err_.find("Asked for an error of at most 10 %; drawn: tolerance 0."),
+              std::string::npos)
+        << err_;
+    EXPECT_NE(err_.find("Estimated error "), std::string::npos) << err_;
+    EXPECT_NE(err_.find("Not modelled: ghosts of four reflections"), std::string::npos) << err_;
+    EXPECT_EQ(out_, "");
+}
+
 }  // namespace
 }  // namespace flare::cli
