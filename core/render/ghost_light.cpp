@@ -215,7 +215,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
         const double steps = std::max(px / colour.dispersion_step_px, std::min(px, 5.0));
         const int count = 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
         drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, count);
-        shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
+        shares = BandShares(drawn, tables.wavelengths_nm(), colour.power, *colour.response);
     }
 
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);

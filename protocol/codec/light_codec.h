@@ -14,7 +14,9 @@ namespace flare::wire {
 // `spectral`: irradiances may be one number. `points`: only lights without extent are supported.
 bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
                 std::vector<Light>& lights);
-bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset);
+// `photon` null: pictures alone can be made by photons, and this is none.
+bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset,
+                 std::optional<Photon>* photon = nullptr);
 bool ReadModel(Reader& reader, const JsonView& at, Model& model);
 
 }  // namespace flare::wire

@@ -26,6 +26,22 @@ std::string_view QualityName(QualityPreset preset) {
     return "preview";
 }
 
+void WritePhoton(JsonWriter& json, const PhotonSpec& spec) {
+    json.Member("method", "photon").Member("samples", static_cast<std::uint64_t>(spec.samples));
+    json.Member("seed", spec.seed);
+    switch (spec.estimate) {
+        case PhotonEstimate::kPixel:
+            json.Member("estimate", "pixel");
+            break;
+        case PhotonEstimate::kKernel:
+            json.Member("estimate", "kernel").Member("kernel_px", spec.kernel_px);
+            break;
+        case PhotonEstimate::kNearest:
+            json.Member("estimate", "nearest").Member("nearest", spec.nearest);
+            break;
+    }
+}
+
 void TextMember(JsonWriter& json, std::string_view name, const std::string& text) {
     if (!text.empty()) json.Member(name, text);
 }
@@ -157,6 +173,21 @@ void WriteClamped(JsonWriter& json, const std::vector<std::string>& clamped) {
 
 }  // namespace
 
+std::string ColorSpaceName(const FlareRequest& request) {
+    if (request.camera) return "camera";
+    switch (request.color) {
+        case ColorMode::kLinRec709:
+            return "lin_rec709";
+        case ColorMode::kAcesCg:
+            return "acescg";
+        case ColorMode::kAces2065:
+            return "aces2065-1";
+        case ColorMode::kSpectral:
+            return "spectral";
+    }
+    return "lin_rec709";
+}
+
 std::string ReportJson(const FlareRequest& request, const Report& report, const ReplyFacts& reply) {
     const Facts& facts = report.facts;
     JsonWriter json(JsonWriter::Style::kPretty);
@@ -167,8 +198,10 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
                 request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
     json.Member("scene_linear_factor", facts.scene_linear_factor);
     json.Member("squeeze", facts.squeeze).Member("desqueezed", request.image.desqueeze);
-    json.Member("color_space", request.color == ColorMode::kSpectral ? "spectral" : "lin_rec709");
-    json.Key("quality").BeginInlineObject().Member("preset", QualityName(request.quality)).End();
+    json.Member("color_space", ColorSpaceName(request));
+    json.Key("quality").BeginInlineObject().Member("preset", QualityName(request.quality));
+    if (request.photon) WritePhoton(json, *request.photon);
+    json.End();
     WriteModel(json, request.model);
     WriteClamped(json, facts.clamped);
     json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));
@@ -177,6 +210,10 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
     if (facts.four_reflections) {
         json.Key("four_reflections");
         WriteFourReflections(json, *facts.four_reflections);
+    }
+    if (facts.photon) {
+        json.Key("photon").BeginInlineObject().Member("rays", facts.photon->rays);
+        json.Member("landed", facts.photon->landed).Member("rel_l1", facts.photon->rel_l1).End();
     }
     if (facts.starburst) WriteStarburst(json, request.starburst, *facts.starburst);
     WriteGhosts(json, facts.ghosts);

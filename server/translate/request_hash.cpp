@@ -5,7 +5,7 @@ namespace flare {
 namespace {
 
 // Grows with every change of what the values mean or of their order here.
-constexpr int kHashVersion = 4;
+constexpr int kHashVersion = 5;
 
 void Add(Fingerprinter& hash, const std::optional<double>& value) {
     hash.Add(value.has_value());
@@ -50,12 +50,23 @@ void Add(Fingerprinter& hash, const wire::Model& model) {
     hash.Add(static_cast<int>(model.culling));
 }
 
+void Add(Fingerprinter& hash, const std::vector<double>& values) {
+    hash.Add(static_cast<std::int64_t>(values.size()));
+    for (const double value : values) hash.Add(value);
+}
+
 void Add(Fingerprinter& hash, const wire::Light& light) {
     Add(hash, light.direction);
     Add(hash, light.pixel);
     Add(hash, light.distance_m);
     Add(hash, light.irradiance);
     hash.Add(light.angular_diameter_deg);
+    Add(hash, light.temperature_k);
+    hash.Add(light.spectrum.has_value());
+    if (light.spectrum) {
+        Add(hash, light.spectrum->wavelengths_nm);
+        Add(hash, light.spectrum->values);
+    }
 }
 
 void Add(Fingerprinter& hash, const wire::Starburst& starburst) {
@@ -99,9 +110,20 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     hash.Add(static_cast<std::int64_t>(request.lights.size()));
     for (const wire::Light& light : request.lights) Add(hash, light);
     hash.Add(static_cast<int>(request.units)).Add(static_cast<int>(request.color_space));
-    hash.Add(static_cast<std::int64_t>(request.wavelengths_nm.size()));
-    for (const double wavelength_nm : request.wavelengths_nm) hash.Add(wavelength_nm);
-    hash.Add(static_cast<int>(request.preset));
+    Add(hash, request.wavelengths_nm);
+    hash.Add(request.camera.has_value());
+    if (request.camera) {
+        Add(hash, request.camera->wavelengths_nm);
+        Add(hash, request.camera->red);
+        Add(hash, request.camera->green);
+        Add(hash, request.camera->blue);
+    }
+    hash.Add(static_cast<int>(request.preset)).Add(request.photon.has_value());
+    if (request.photon) {
+        const wire::Photon& photon = *request.photon;
+        hash.Add(photon.samples).Add(photon.seed).Add(static_cast<int>(photon.estimate));
+        hash.Add(photon.kernel_px).Add(photon.nearest);
+    }
     Add(hash, request.model);
     hash.Add(request.layers.ghosts).Add(request.layers.starburst);
     if (request.layers.starburst) Add(hash, request.starburst);

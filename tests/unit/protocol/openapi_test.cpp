@@ -41,7 +41,10 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         {"starburst", "seed", "7"},
         {"", "units", R"("scene_linear")"},
         {"", "color_space", R"("lin_rec709")"},
+        {"", "camera", R"({"wavelengths_nm":[550],"red":[1],"green":[2],"blue":[3]})"},
         {"", "quality", R"({"preset":"draft"})"},
+        {"", "quality", R"({"preset":"reference","method":"photon","samples":64,"seed":1,
+                            "estimate":"kernel","kernel_px":2.5,"nearest":8})"},
         {"", "model", "{}"},
         {"", "output", "{}"},
         {"", "encoder", R"("A-cam")"},
@@ -69,7 +72,10 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         EXPECT_NE(document.find(std::string(" ") + field.member + ":"), std::string_view::npos)
             << field.member;
     }
-    EXPECT_NE(document.find(" desqueeze:"), std::string_view::npos);
+    for (const char* member : {" desqueeze:", " temperature_k:", " spectrum:", " method:",
+                               " samples:", " estimate:", " kernel_px:", " nearest:"}) {
+        EXPECT_NE(document.find(member), std::string_view::npos) << member;
+    }
 }
 
 }  // namespace
