@@ -33,6 +33,12 @@ inline constexpr double kMaxCenterOffset_mm = 10'000.0;
 inline constexpr double kMinPixelAspect = 0.01;
 inline constexpr double kMaxPixelAspect = 100.0;
 inline constexpr std::size_t kWavelengths = 1'000;
+// Points of a light's spectrum or a camera's sensitivity. Lamps are measured beyond the visible.
+inline constexpr std::size_t kCurvePoints = 4'000;
+inline constexpr double kMaxCurve_nm = 100'000.0;
+inline constexpr double kMaxCurveValue = 1e30;
+inline constexpr double kMinTemperature_k = 500.0;
+inline constexpr double kMaxTemperature_k = 1e6;
 inline constexpr double kMinWavelength_nm = 300.0;
 inline constexpr double kMaxWavelength_nm = 1'100.0;
 
@@ -60,6 +66,14 @@ inline constexpr int kMaxBlades = 32;
 inline constexpr double kMaxRotation_deg = 36'000.0;
 inline constexpr std::size_t kSurfaces = 100;              // of a lens
 inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one
+
+// The reference by photons.
+inline constexpr int kMinPhotonSamples = 64;  // a ghost, light and wavelength
+inline constexpr int kMaxPhotonSamples = 100'000'000;
+inline constexpr double kMinPhotonKernel_px = 0.5;
+inline constexpr double kMaxPhotonKernel_px = 64.0;
+inline constexpr int kMinPhotonNearest = 2;
+inline constexpr int kMaxPhotonNearest = 10'000;
 
 // The model.
 inline constexpr double kMaxFourReflectionThreshold = 1e6;  // peak irradiance for E0 = 1

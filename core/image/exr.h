@@ -45,8 +45,8 @@ inline constexpr std::size_t kMaxExrValues = std::size_t{1} << 29;  // pixels ti
 
 // Reads any single-part scan-line or tiled EXR (of several levels the finest), half, float or uint,
 // channels in the order of the file. Strings and numbers of the header become attributes; `rec709`
-// says whether the header states those chromaticities. Error code "bad_image"; sizes are checked
-// before memory is taken.
+// says whether the header states those chromaticities, `chromaticities` holds any others. Error
+// code "bad_image"; sizes are checked before memory is taken.
 Result<FlareImage> DecodeExr(std::string_view bytes);
 
 }  // namespace flare

@@ -61,8 +61,15 @@ void ReadHeader(const Imf::Header& header, FlareImage& image) {
     image.full = WindowOf(header.displayWindow());
     image.data = WindowOf(header.dataWindow());
     image.pixel_aspect = static_cast<double>(header.pixelAspectRatio());
-    image.rec709 =
-        Imf::hasChromaticities(header) && Imf::chromaticities(header) == Imf::Chromaticities();
+    if (Imf::hasChromaticities(header)) {
+        const Imf::Chromaticities& c = Imf::chromaticities(header);
+        image.rec709 = c == Imf::Chromaticities();
+        if (!image.rec709) {
+            image.chromaticities = {Vec2d(c.red), Vec2d(c.green), Vec2d(c.blue), Vec2d(c.white)};
+        }
+    } else {
+        image.rec709 = false;
+    }
     for (auto a = header.begin(); a != header.end(); ++a) {
         const Imf::Attribute* attribute = &a.attribute();
         const std::string name = a.name();

@@ -57,7 +57,14 @@ Imf::Header HeaderOf(const FlareImage& image, const ExrOptions& options) {
         FLARE_CHECK(names.insert(plane.name).second);
         header.channels().insert(plane.name, Imf::Channel(type));
     }
-    if (image.rec709) Imf::addChromaticities(header, Imf::Chromaticities());
+    if (image.rec709) {
+        Imf::addChromaticities(header, Imf::Chromaticities());
+    } else if (image.chromaticities) {
+        const Chromaticities& c = *image.chromaticities;
+        Imf::addChromaticities(
+            header, Imf::Chromaticities(Imath::V2f(c.red), Imath::V2f(c.green), Imath::V2f(c.blue),
+                                        Imath::V2f(c.white)));
+    }
     for (const auto& [name, text] : image.text_attributes) {
         header.insert(name, Imf::StringAttribute(text));
     }

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/chromaticities.h"
 #include "core/image/plane_values.h"
 
 namespace flare {
@@ -36,7 +38,9 @@ struct FlareImage {
     // Header attributes: text and numbers, in this order.
     std::vector<std::pair<std::string, std::string>> text_attributes;
     std::vector<std::pair<std::string, double>> number_attributes;
-    bool rec709 = true;  // write the chromaticities of linear Rec.709 with D65 white
+    // The header's chromaticities: those of linear Rec.709 with D65 white, or else these, or none.
+    bool rec709 = true;
+    std::optional<Chromaticities> chromaticities;
 };
 
 }  // namespace flare

@@ -88,6 +88,14 @@ Shown ShownValues(const FlareImage& image) {
         }
         for (float& value : shown.values) value /= planes;
     }
+    if (shown.channels == 3 && !image.rec709 && image.chromaticities) {
+        const RgbMap map(*image.chromaticities, Rec709Chromaticities());
+        for (std::size_t i = 0; i < shown.values.size(); i += 3) {
+            float* const v = &shown.values[i];
+            const Vec3d rgb = map(Vec3d(v[0], v[1], v[2]));
+            for (int c = 0; c < 3; ++c) v[c] = static_cast<float>(rgb[c]);
+        }
+    }
     // A NaN fails the comparison and becomes 0 with the negative values.
     for (float& value : shown.values) value = value > 0.0f ? value : 0.0f;
     return shown;

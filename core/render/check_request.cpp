@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/render/lights.h"
 #include "core/render/renderer.h"
+#include "core/tracing/bounce_sequence.h"
 
 namespace flare {
 namespace {
@@ -37,6 +39,13 @@ std::optional<Error> CheckWindow(const ImageSpec& image) {
     return std::nullopt;
 }
 
+// Width and height of what is drawn: the crop, or the frame with its overscan.
+std::pair<long long, long long> DrawnSize(const ImageSpec& image) {
+    if (image.crop) return {(*image.crop)[2], (*image.crop)[3]};
+    return {image.width + image.overscan[0] + image.overscan[2],
+            image.height + image.overscan[1] + image.overscan[3]};
+}
+
 std::optional<Error> CheckImage(const ImageSpec& image, int channels) {
     for (const auto& [side, where] :
          {std::pair{image.width, "/image/width"}, {image.height, "/image/height"}}) {
@@ -57,10 +66,7 @@ std::optional<Error> CheckImage(const ImageSpec& image, int channels) {
             return Bad("/image/center_offset_mm", "must be within +-10000 mm");
     }
     if (auto error = CheckWindow(image)) return error;
-    const long long width =
-        image.crop ? (*image.crop)[2] : image.width + image.overscan[0] + image.overscan[2];
-    const long long height =
-        image.crop ? (*image.crop)[3] : image.height + image.overscan[1] + image.overscan[3];
+    const auto [width, height] = DrawnSize(image);
     if (width * height * std::max(1, channels / 3) > kMaxImagePixels) {
         return Bad("/image",
                    "the picture has more than " + std::to_string(kMaxImagePixels) + " pixels",
@@ -69,7 +75,7 @@ std::optional<Error> CheckImage(const ImageSpec& image, int channels) {
     return std::nullopt;
 }
 
-std::optional<Error> CheckLight(const LightSpec& light, std::size_t index) {
+std::optional<Error> CheckLight(const LightSpec& light, std::size_t index, bool spectral) {
     const std::string place = "/lights/" + std::to_string(index);
     if (light.direction.has_value() == light.pixel.has_value()) {
         return Bad(place, "a light has either a direction or a pixel");
@@ -90,6 +96,18 @@ std::optional<Error> CheckLight(const LightSpec& light, std::size_t index) {
         light.irradiance.z < 0.0) {
         return Bad(place + "/irradiance", "must be finite and not negative");
     }
+    if (light.temperature_k &&
+        !(*light.temperature_k >= kMinTemperature_k && *light.temperature_k <= kMaxTemperature_k)) {
+        return Bad(place + "/temperature_k", "must be 500 to 1000000");
+    }
+    if (light.temperature_k && light.spectrum) {
+        return Bad(place + "/spectrum", "a light has a temperature or a spectrum, not both");
+    }
+    if (spectral && (light.temperature_k || light.spectrum)) {
+        return Bad(
+            place + (light.spectrum ? "/spectrum" : "/temperature_k"),
+            "a spectral picture holds each wavelength for irradiance 1: nothing is weighted");
+    }
     return std::nullopt;
 }
 
@@ -109,7 +127,7 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
-        if (diameter > 0.0 && request.layers.ghosts) {
+        if (diameter > 0.0 && request.layers.ghosts && !request.photon) {
             return Bad(place, "ghosts of lights that are no points are not built", "unsupported");
         }
     }
@@ -118,6 +136,7 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
 
 std::optional<Error> CheckWavelengths(const FlareRequest& request) {
     if (request.color != ColorMode::kSpectral) return std::nullopt;
+    if (request.camera) return Bad("/camera", "a camera goes with a colour picture");
     const std::vector<double>& list = request.wavelengths_nm;
     if (list.empty())
         return Bad("/wavelengths_nm", "a spectral request names at least one wavelength");
@@ -167,6 +186,46 @@ std::optional<Error> CheckModel(const FlareRequest& request) {
     return std::nullopt;
 }
 
+std::optional<Error> CheckPhoton(const FlareRequest& request, long long values) {
+    if (!request.photon) return std::nullopt;
+    const PhotonSpec& spec = *request.photon;
+    if (request.quality != QualityPreset::kReference) {
+        return Bad("/quality/method", "photons are a method of the preset \"reference\"");
+    }
+    if (request.model.reflections == 4) {
+        return Bad("/model/reflections", "photons of four reflections are not built",
+                   "unsupported");
+    }
+    if (spec.samples < kMinPhotonSamples || spec.samples > kMaxPhotonSamples) {
+        return Bad("/quality/samples", "must be 64 to 100000000");
+    }
+    if (!(spec.kernel_px >= kMinPhotonKernel_px && spec.kernel_px <= kMaxPhotonKernel_px)) {
+        return Bad("/quality/kernel_px", "must be 0.5 to 64");
+    }
+    if (spec.nearest < kMinPhotonNearest || spec.nearest > kMaxPhotonNearest) {
+        return Bad("/quality/nearest", "must be 2 to 10000");
+    }
+    if (static_cast<double>(values) > kMaxPhotonValues) {
+        return Bad("/image", "a picture by photons has at most 16777216 pixels times channels",
+                   "limit");
+    }
+    const double passes = request.color == ColorMode::kSpectral
+                              ? static_cast<double>(request.wavelengths_nm.size())
+                              : 1;
+    const double ghosts = static_cast<double>(
+        TwoReflectionSequences(*request.lens, request.model.sensor_reflection).size());
+    if (ghosts * static_cast<double>(request.lights.size()) > kMaxPhotonPaths) {
+        return Bad("/lights", "photons take at most 65536 ghosts of all lights together", "limit");
+    }
+    if (ghosts * passes * static_cast<double>(request.lights.size()) *
+            static_cast<double>(spec.samples) >
+        kMaxPhotonRays) {
+        return Bad("/quality/samples",
+                   "samples times ghosts, lights and wavelengths are more than 2e10 rays", "limit");
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Error> CheckRequest(const FlareRequest& request) {
@@ -203,9 +262,11 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
         return Bad("/lights", "at most " + std::to_string(kMaxLights) + " lights", "too_large");
     }
     for (std::size_t i = 0; i < request.lights.size(); ++i) {
-        if (auto error = CheckLight(request.lights[i], i)) return error;
+        if (auto error = CheckLight(request.lights[i], i, request.color == ColorMode::kSpectral))
+            return error;
     }
-    return std::nullopt;
+    const auto [w, h] = DrawnSize(request.image);
+    return CheckPhoton(request, w * h * channels);
 }
 
 }  // namespace flare

@@ -16,12 +16,13 @@
 #include "core/optics/iris.h"
 #include "core/optics/lens.h"
 #include "core/optics/lens_state.h"
+#include "core/spectrum/color_response.h"
 
 namespace flare {
 
 enum class Projection { kAuto, kRectilinear, kLens };
 enum class Units { kSceneLinear, kSensorIrradiance };
-enum class ColorMode { kLinRec709, kSpectral };
+enum class ColorMode { kLinRec709, kAcesCg, kAces2065, kSpectral };
 enum class QualityPreset { kDraft, kPreview, kFinal, kReference };
 
 // How good the picture is to be: a preset, or one of the three others, which take its place.
@@ -90,12 +91,29 @@ struct StarburstSpec {
     std::uint64_t seed = 0;
 };
 
+// How photons on the sensor become light a pixel (photon_map.h).
+enum class PhotonEstimate { kPixel, kKernel, kNearest };
+
+// The reference by random samples in place of meshes.
+struct PhotonSpec {
+    std::int64_t samples = 1 << 18;  // for each ghost of each light, in the mean over the ghosts
+    std::uint64_t seed = 0;
+    PhotonEstimate estimate = PhotonEstimate::kPixel;
+    double kernel_px = 2.0;  // radius of the fixed kernel
+    int nearest = 32;        // k of the k nearest
+};
+
 struct LightSpec {
     std::optional<Vec3d>
         direction;               // camera axes (x right, y up, z into the scene), towards the light
     std::optional<Vec2d> pixel;  // or the place in the full frame, from its top left corner
-    std::optional<double> distance_m;   // from the centre of the entrance pupil; absent: infinity
-    Vec3d irradiance{1.0, 1.0, 1.0};    // E0 on a plane perpendicular to the direction, RGB
+    std::optional<double> distance_m;  // from the centre of the entrance pupil; absent: infinity
+    // E0 on a plane perpendicular to the direction: RGB of the request's space, or one number.
+    Vec3d irradiance{1.0, 1.0, 1.0};
+    // In colour: the irradiance multiplies, channel by channel, the colour of a blackbody of this
+    // temperature, or of this spectrum; each scaled to luminance 1. Not both.
+    std::optional<double> temperature_k;
+    std::shared_ptr<const Spectrum> spectrum;
     double angular_diameter_deg = 0.0;  // of its disc; ghosts are those of a point
 };
 
@@ -112,9 +130,24 @@ struct FlareRequest {
     std::vector<LightSpec> lights;
     Units units = Units::kSceneLinear;
     ColorMode color = ColorMode::kLinRec709;
+    // In colour: what the channels see, in place of the observer of the space.
+    std::shared_ptr<const ColorResponse> camera;
     std::vector<double> wavelengths_nm;  // for kSpectral
     Quality quality;
+    std::optional<PhotonSpec> photon;  // of kReference alone
 };
+
+// The space of a colour request's numbers.
+constexpr ColorSpace SpaceOf(ColorMode color) {
+    return color == ColorMode::kAcesCg     ? ColorSpace::kAcesCg
+           : color == ColorMode::kAces2065 ? ColorSpace::kAces2065
+                                           : ColorSpace::kLinRec709;
+}
+
+// What the channels of a colour request see.
+inline const ColorResponse& ResponseOf(const FlareRequest& request) {
+    return request.camera ? *request.camera : ResponseOf(SpaceOf(request.color));
+}
 
 // Limits of a request; the wire has its own copy in protocol/limits.h and the two are tested equal.
 inline constexpr int kMaxLights = 100'000;
@@ -123,6 +156,13 @@ inline constexpr long long kMaxImagePixels = 1LL << 26;
 inline constexpr int kMaxWavelengths = 1'000;
 inline constexpr double kMaxFourReflectionThreshold = 1e6;
 inline constexpr double kMaxAngularDiameter_deg = 20.0;
+inline constexpr double kMinTemperature_k = 500.0, kMaxTemperature_k = 1e6;
+inline constexpr std::int64_t kMinPhotonSamples = 64, kMaxPhotonSamples = 100'000'000;
+inline constexpr double kMaxPhotonPaths = 1 << 16;   // ghosts times lights
+inline constexpr double kMaxPhotonRays = 2e10;       // of all ghosts, lights and wavelengths
+inline constexpr double kMaxPhotonValues = 1 << 24;  // pixels times channels
+inline constexpr double kMinPhotonKernel_px = 0.5, kMaxPhotonKernel_px = 64.0;
+inline constexpr int kMinPhotonNearest = 2, kMaxPhotonNearest = 10'000;
 inline constexpr double kMaxJitter_deg = 180.0;
 inline constexpr int kMaxJitterCount = 32;
 inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;

@@ -45,7 +45,8 @@ LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) cons
     LightColour colour;
     colour.spectral = scene_.spectral();
     colour.irradiance = weight * light.irradiance.x;
-    if (!colour.spectral) colour.power = LightSpectrum(light.irradiance * weight);
+    if (!colour.spectral) colour.power = PowerOf(light, weight);
+    colour.response = &ResponseOf(scene_.request);
     colour.dispersion_step_px = scene_.settings.dispersion_step_px;
     colour.most_drawn = scene_.settings.most_drawn;
     colour.light_tolerance = scene_.settings.light_tolerance;

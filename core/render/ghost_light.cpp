@@ -218,7 +218,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     std::vector<BandShare> shares;
     if (!colour.spectral) {
         drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, DrawnWavelengths(colour));
-        shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
+        shares = BandShares(drawn, tables.wavelengths_nm(), colour.power, *colour.response);
     }
 
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);

@@ -17,12 +17,13 @@
 
 namespace flare {
 
-// The colours in which a light is drawn: spectral planes, or Rec.709.
+// The colours in which a light is drawn: spectral planes, or red, green and blue.
 struct LightColour {
     bool spectral = false;
-    double irradiance = 1.0;     // spectral: E0
-    Spectrum power{};            // colour: the light's spectrum
-    double dispersion_px = 0.0;  // colour: DispersionPx over the full frame
+    double irradiance = 1.0;                            // spectral: E0
+    Spectrum power{};                                   // colour: the light's spectrum
+    const ColorResponse* response = &Rec709Response();  // ... and what sees it
+    double dispersion_px = 0.0;                         // colour: DispersionPx over the full frame
     double dispersion_step_px = 4.0;
     double light_tolerance = 2e-4;  // relative, of light interpolated between the cell's corners
     int most_drawn = 24;

@@ -19,7 +19,7 @@ constexpr double kFirst_nm = 400.0, kStep_nm = 30.0;
 constexpr int kColours = 11;
 
 std::vector<double> SampledWavelengths(const FlareRequest& request) {
-    if (request.color == ColorMode::kLinRec709) {
+    if (request.color != ColorMode::kSpectral) {
         std::vector<double> wavelengths{kLineD};
         for (int i = 0; i < kColours; ++i) wavelengths.push_back(kFirst_nm + kStep_nm * i);
         return wavelengths;
@@ -29,17 +29,18 @@ std::vector<double> SampledWavelengths(const FlareRequest& request) {
     return {list.front(), list[list.size() / 2], list.back()};
 }
 
-// What a light of this colour weighs at each of them, red, green and blue added up.
-std::vector<double> ColourWeights(const Vec3d& irradiance) {
-    const Spectrum power = LightSpectrum(irradiance);
+// What a light weighs at each of them, red, green and blue of Rec.709 added up, whatever the
+// picture is made in.
+std::vector<double> ColourWeights(const PlacedLight& light) {
+    const Spectrum power = PowerOf(light);
     std::vector<double> weights{0.0};
     for (int i = 0; i < kColours; ++i) {
         const double wavelength_nm = kFirst_nm + kStep_nm * i;
         const auto sample = static_cast<std::size_t>(
             std::lround((wavelength_nm - kSpectrumFirst_nm) / kSpectrumStep_nm));
         const Vec3d response = Rec709Response()[sample];
-        weights.push_back(std::max(0.0, response.x + response.y + response.z) * power[sample] *
-                          (kStep_nm / kSpectrumStep_nm));
+        weights.push_back(std::max(0.0, response.x + response.y + response.z) *
+                          std::max(0.0, power[sample]) * (kStep_nm / kSpectrumStep_nm));
     }
     return weights;
 }
@@ -56,13 +57,13 @@ GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double
 std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
                                               const std::vector<BounceSequence>& sequences,
                                               const RenderContext& context) const {
-    const Vec3d& e = light.irradiance;
     const LightBundle bundle = BundleOf(*request_.lens, light);
     SampleScene scene{
         *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
-    scene.weights = ColourWeights(e);
     if (request_.color == ColorMode::kSpectral) {
-        scene.weights.assign(tables_.wavelengths_nm().size(), e.x);
+        scene.weights.assign(tables_.wavelengths_nm().size(), light.irradiance.x);
+    } else {
+        scene.weights = ColourWeights(light);
     }
     scene.width = request_.image.width;
     scene.height = request_.image.height;

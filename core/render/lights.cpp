@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/units.h"
+#include "core/spectrum/light_spectrum.h"
 #include "core/tracing/chief_ray.h"
 
 namespace flare {
@@ -69,6 +70,34 @@ bool InsideLens(const Lens& lens, const PlacedLight& light) {
     return z > front.shape.Sag(at.x, at.y) - kNearestToGlass_mm;
 }
 
+// In linear Rec.709, and its spectrum where that is no plain mix of primaries.
+void SetColor(const FlareRequest& request, const LightSpec& spec, PlacedLight& light) {
+    light.irradiance = spec.irradiance;
+    if (request.color == ColorMode::kSpectral) return;
+    const ColorSpace space = SpaceOf(request.color);
+    const Vec3d& e = spec.irradiance;
+    const bool based = spec.temperature_k || spec.spectrum != nullptr;
+    if (!based) {
+        light.irradiance = Rec709FromSpace(space, e);
+        const Vec3d& rgb = light.irradiance;
+        // Rounding on the way from one space to the other makes nothing saturated.
+        const double least = -1e-12 * std::max({rgb.x, rgb.y, rgb.z});
+        if (rgb.x >= least && rgb.y >= least && rgb.z >= least) return;
+        light.power =
+            std::make_shared<const Spectrum>(SpectrumOfColor(WhiteSpectrum(), light.irradiance));
+        return;
+    }
+    Spectrum base = spec.spectrum ? *spec.spectrum : BlackbodySpectrum(*spec.temperature_k);
+    const Vec3d own = ColorOf(ResponseOf(space), base);
+    light.irradiance = Rec709FromSpace(space, {own.x * e.x, own.y * e.y, own.z * e.z});
+    if (e.x == e.y && e.y == e.z) {
+        for (double& value : base) value *= e.x;
+        light.power = std::make_shared<const Spectrum>(base);
+        return;
+    }
+    light.power = std::make_shared<const Spectrum>(SpectrumOfColor(base, light.irradiance));
+}
+
 // Angles that name meshes, without the last digits that a turn of the picture changes: 1e-12 rad is
 // nothing on any sensor.
 double Settled(double angle_rad) {
@@ -118,7 +147,7 @@ Projection ProjectionOf(const FlareRequest& request) {
 Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     const LightSpec& spec = request.lights[index];
     PlacedLight light;
-    light.irradiance = spec.irradiance;
+    SetColor(request, spec, light);
     light.angular_diameter_rad = RadiansFromDegrees(spec.angular_diameter_deg);
     if (spec.distance_m) light.inverse_distance = 1.0 / (*spec.distance_m * kMmPerMetre);
     if (spec.direction) {
@@ -141,6 +170,13 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
                      Place(index, "distance_m")};
     }
     return light;
+}
+
+Spectrum PowerOf(const PlacedLight& light, double weight) {
+    if (!light.power) return LightSpectrum(light.irradiance * weight);
+    Spectrum power = *light.power;
+    for (double& value : power) value *= weight;
+    return power;
 }
 
 PictureMap MapOf(const FlareRequest& request, const CanonicalPose& pose) {

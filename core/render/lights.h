@@ -4,6 +4,8 @@
 // lens is not rotational, and distance) and the pose that turns or mirrors it into place.
 #pragma once
 
+#include <memory>
+
 #include "core/base/result.h"
 #include "core/image/ghost_walk.h"
 #include "core/mesh/mesh_builder.h"
@@ -17,7 +19,9 @@ struct PlacedLight {
     double field_rad = 0.0;          // from the axis, 0..pi
     CanonicalPose pose;
     double inverse_distance = 0.0;  // 1/mm from the entrance pupil's centre
+    // Spectral: E0. Colour: the light's colour, in linear Rec.709.
     Vec3d irradiance{0.0, 0.0, 0.0};
+    std::shared_ptr<const Spectrum> power;  // absent: that of a mix of primaries with this colour
     double angular_diameter_rad = 0.0;
 };
 
@@ -27,6 +31,9 @@ Projection ProjectionOf(const FlareRequest& request);
 // Light number `index` of the request. Errors: the place cannot be seen, or lies inside the lens;
 // `where` is "/lights/N/...".
 Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index);
+
+// The light's spectrum times `weight`, in colour.
+Spectrum PowerOf(const PlacedLight& light, double weight = 1.0);
 
 // Millimetres a pixel on the sensor, horizontally and vertically.
 Vec2d PixelPitch(const FlareRequest& request);

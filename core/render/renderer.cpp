@@ -7,6 +7,7 @@
 #include "core/base/units.h"
 #include "core/render/ghost_layer.h"
 #include "core/render/lights.h"
+#include "core/render/photon_layer.h"
 #include "core/render/quality_search.h"
 #include "core/render/render_scene.h"
 #include "core/render/starburst_layer.h"
@@ -23,7 +24,8 @@ class Job {
         : request_(request), context_(context), scene_(request) {
         const double before = context.now_ms();
         SetFacts();
-        if (request.layers.ghosts) ghosts_.emplace(scene_, context, report_);
+        if (request.layers.ghosts && request.photon) photons_.emplace(scene_, context, report_);
+        if (request.layers.ghosts && !request.photon) ghosts_.emplace(scene_, context, report_);
         if (request.layers.starburst) {
             starburst_.emplace(request, scene_.stop.semi_diameter_mm, scene_.window);
         }
@@ -44,11 +46,15 @@ class Job {
             if (ghosts_) {
                 if (std::optional<Error> error = ghosts_->Add(light, reported)) return *error;
             }
+            if (photons_) photons_->Add(light, reported);
             if (starburst_) starburst_->Add(light, context_.threads, context_.cancel);
             if (context_.cancel.cancelled())
                 return Error{"cancelled", "the work was cancelled", ""};
         }
         if (ghosts_) ghosts_->Finish();
+        if (photons_) {
+            if (std::optional<Error> error = photons_->Run()) return *error;
+        }
         if (starburst_) report_.facts.starburst = starburst_->facts();
         return Rendering{Resolve(), std::move(report_), request_.quality};
     }
@@ -95,7 +101,10 @@ class Job {
         image.full = {0, 0, request_.image.width, request_.image.height};
         image.data = scene_.window;
         image.pixel_aspect = ShownPixelAspect(request_);
-        image.rec709 = !scene_.spectral();
+        image.rec709 = request_.color == ColorMode::kLinRec709 && !request_.camera;
+        if (!image.rec709 && !scene_.spectral() && !request_.camera) {
+            image.chromaticities = ChromaticitiesOf(SpaceOf(request_.color));
+        }
         const Vec2d pitch = PixelPitch(request_);
         const double scale = scene_.units_factor / (pitch.x * pitch.y);
 
@@ -103,6 +112,8 @@ class Job {
         std::vector<std::vector<float>> root;
         if (ghosts_) {
             root = ghosts_->Resolve(scale);
+        } else if (photons_) {
+            root = photons_->Resolve(scale);
         } else {
             const auto pixels = static_cast<std::size_t>(scene_.window.width) *
                                 static_cast<std::size_t>(scene_.window.height);
@@ -111,9 +122,10 @@ class Job {
         for (std::size_t c = 0; c < channels; ++c) {
             image.planes.push_back({scene_.ChannelName(c), std::move(root[c])});
         }
-        for (std::size_t c = 0; ghosts_ && c < channels; ++c) {
+        for (std::size_t c = 0; request_.layers.ghosts && c < channels; ++c) {
             image.planes.push_back({"ghosts." + image.planes[c].name, image.planes[c].values});
         }
+        if (photons_) photons_->AppendErrorTo(image, scale);
         if (starburst_) starburst_->AppendTo(image, scale);
         report_.work.resolve_ms = context_.now_ms() - before;
         return image;
@@ -123,7 +135,8 @@ class Job {
     const RenderContext& context_;
     Report report_;
     RenderScene scene_;
-    std::optional<GhostLayer> ghosts_;
+    std::optional<GhostLayer> ghosts_;  // one of these two
+    std::optional<PhotonLayer> photons_;
     std::optional<StarburstLayer> starburst_;
 };
 

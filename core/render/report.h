@@ -65,6 +65,13 @@ struct StarburstFacts {
     double core_share = 0.0;  // of that flux, inside the first dark ring
 };
 
+// A picture by photons.
+struct PhotonFacts {
+    std::uint64_t rays = 0;    // traced, the pilot's included
+    std::uint64_t landed = 0;  // on the picture
+    double rel_l1 = 0.0;  // expected of the noise: sum of the mean errors over that of the light
+};
+
 struct Facts {
     std::optional<double> focus_m, zoom_mm;  // absent: infinity; not a zoom
     double squeeze = 1.0;                    // of an anamorphic lens
@@ -80,6 +87,7 @@ struct Facts {
     EstimatedError estimated_error;
     std::optional<FourReflectionFacts> four_reflections;
     std::optional<StarburstFacts> starburst;
+    std::optional<PhotonFacts> photon;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder

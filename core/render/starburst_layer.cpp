@@ -186,16 +186,16 @@ std::vector<SpotBand> StarburstLayer::BandsOf(const PlacedLight& light, const Li
         }
         return bands;
     }
-    const Spectrum power = LightSpectrum(light.irradiance);
+    const Spectrum power = PowerOf(light);
+    const ColorResponse& response = ResponseOf(request_);
     for (int i = 0; i < kSpectrumSamples; ++i) {
         const auto n = static_cast<std::size_t>(i);
         const std::size_t node = std::min(n / kTransmittanceStep, nodes.size() - 2);
         const double t = (static_cast<double>(n) - static_cast<double>(node * kTransmittanceStep)) /
                          kTransmittanceStep;
         const double through = passed[node] * (1.0 - t) + passed[node + 1] * t;
-        bands.push_back(
-            {{SampleWavelength(i) * kMmPerNm, Rec709Response()[n] * (power[n] * through)},
-             spot.PlaceAt(SampleWavelength(i))});
+        bands.push_back({{SampleWavelength(i) * kMmPerNm, response[n] * (power[n] * through)},
+                         spot.PlaceAt(SampleWavelength(i))});
     }
     return bands;
 }

@@ -101,7 +101,8 @@ std::vector<double> EvenInWavelength(double low_nm, double high_nm, int count) {
 }
 
 std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
-                                  const std::vector<double>& colour_nm, const Spectrum& power) {
+                                  const std::vector<double>& colour_nm, const Spectrum& power,
+                                  const ColorResponse& response) {
     std::map<std::pair<int, int>, Vec3d> shares;
     const auto add = [&](int drawn, int colour, double weight, const Vec3d& rgb) {
         if (weight == 0.0) return;
@@ -113,7 +114,7 @@ std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
     constexpr int kHalf = static_cast<int>(kSpectrumStep_nm);
     for (int i = 0; i < kSpectrumSamples; ++i) {
         const auto s = static_cast<std::size_t>(i);
-        const Vec3d rgb = Rec709Response()[s] * power[s];
+        const Vec3d rgb = response[s] * power[s];
         for (int offset = -kHalf + 1; offset < kHalf; ++offset) {
             const double weight = (1.0 - std::abs(offset) / kSpectrumStep_nm) / kSpectrumStep_nm;
             const double wavelength = std::clamp(SampleWavelength(i) + offset, kSpectrumFirst_nm,

@@ -12,7 +12,7 @@
 
 #include <vector>
 
-#include "core/spectrum/spectrum.h"
+#include "core/spectrum/color_response.h"
 
 namespace flare {
 
@@ -28,18 +28,19 @@ std::vector<double> EvenInDispersion(double low_nm, double high_nm, int count);
 std::vector<double> EvenInWavelength(double low_nm, double high_nm, int count);
 
 // One term of the sum that makes colour: what colour band `colour` gives to drawn band `drawn`, per
-// unit transmittance, as linear Rec.709.
+// unit transmittance, as red, green and blue.
 struct BandShare {
     int drawn = 0;
     int colour = 0;
     Vec3d rgb{0.0, 0.0, 0.0};
 };
 
-// The shares for a light of spectrum `power`. The colour bands must be evenly spaced; a
-// transmittance that is cubic through any four of them is integrated exactly on a 1 nm scale. Light
-// between two drawn bands goes to both in proportion, light beyond the last one to that. The shares
-// of a transmittance of 1 add up to the light's own colour.
+// The shares for a light of spectrum `power` as `response` sees it. The colour bands must be evenly
+// spaced; a transmittance that is cubic through any four of them is integrated exactly on a 1 nm
+// scale. Light between two drawn bands goes to both in proportion, light beyond the last one to
+// that. The shares of a transmittance of 1 add up to the light's own colour.
 std::vector<BandShare> BandShares(const std::vector<double>& drawn_nm,
-                                  const std::vector<double>& colour_nm, const Spectrum& power);
+                                  const std::vector<double>& colour_nm, const Spectrum& power,
+                                  const ColorResponse& response = Rec709Response());
 
 }  // namespace flare

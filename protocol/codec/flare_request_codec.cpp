@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "protocol/codec/curve_codec.h"
 #include "protocol/codec/image_codec.h"
 #include "protocol/codec/lens_codec.h"
 #include "protocol/codec/light_codec.h"
@@ -85,11 +86,21 @@ bool ReadWavelengths(Reader& reader, const JsonView& at, std::vector<double>& wa
 
 bool ReadColor(Reader& reader, const JsonView& root, FlareRequest& request) {
     if (!IfGiven(root, "color_space", [&](const JsonView& v) {
-            return reader.OneOf<ColorSpace>(
-                v, {{"lin_rec709", ColorSpace::kLinRec709}, {"spectral", ColorSpace::kSpectral}},
-                request.color_space, {"acescg", "aces2065-1"});
+            return reader.OneOf<ColorSpace>(v,
+                                            {{"lin_rec709", ColorSpace::kLinRec709},
+                                             {"acescg", ColorSpace::kAcesCg},
+                                             {"aces2065-1", ColorSpace::kAces2065},
+                                             {"spectral", ColorSpace::kSpectral}},
+                                            request.color_space);
         })) {
         return false;
+    }
+    if (const std::optional<JsonView> camera = root.Find("camera")) {
+        if (request.color_space == ColorSpace::kSpectral) {
+            return reader.Refuse(*camera, "bad_value",
+                                 "a camera goes with a colour picture, not with \"spectral\"");
+        }
+        if (!ReadCamera(reader, *camera, request.camera.emplace())) return false;
     }
     const std::optional<JsonView> wavelengths = root.Find("wavelengths_nm");
     if (request.color_space == ColorSpace::kSpectral) {
@@ -131,7 +142,8 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                {"lens",    "prescription", "coatings",       "f_number",     "focus_m",
                 "zoom_mm", "iris",         "image",          "lights",       "layers",
                 "units",   "color_space",  "wavelengths_nm", "quality",      "model",
-                "output",  "starburst",    "encoder",        "encoder_time", "encoder_max_age_ms"},
+                "output",  "starburst",    "encoder",        "encoder_time", "encoder_max_age_ms",
+                "camera"},
                {}) &&
            ReadEncoder(reader, root, request.encoder) &&
            ReadLensChoice(reader, root, request.lens, request.encoder.has_value()) &&
@@ -146,9 +158,11 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
            IfGiven(
                root, "starburst",
                [&](const JsonView& v) { return ReadStarburst(reader, v, request.starburst); }) &&
+           IfGiven(root, "quality",
+                   [&](const JsonView& v) { return ReadQuality(reader, v, request.quality); }) &&
            reader.Require(root, "lights", lights) &&
            ReadLights(reader, *lights, request.color_space == ColorSpace::kSpectral,
-                      request.layers.ghosts, request.lights) &&
+                      request.layers.ghosts && !request.quality.photon, request.lights) &&
            IfGiven(root, "units",
                    [&](const JsonView& v) {
                        return reader.OneOf<Units>(v,
@@ -156,8 +170,6 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                                                    {"sensor_irradiance", Units::kSensorIrradiance}},
                                                   request.units);
                    }) &&
-           IfGiven(root, "quality",
-                   [&](const JsonView& v) { return ReadQuality(reader, v, request.quality); }) &&
            IfGiven(root, "model",
                    [&](const JsonView& v) { return ReadModel(reader, v, request.model); }) &&
            IfGiven(root, "output",

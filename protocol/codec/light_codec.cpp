@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "protocol/codec/curve_codec.h"
 #include "protocol/limits.h"
 
 namespace flare::wire {
@@ -32,10 +33,37 @@ bool ReadIrradiance(Reader& reader, const JsonView& at, bool spectral, Light& li
                          "(or three equal ones)");
 }
 
+// What the light's colour is made of, and how bright it is.
+bool ReadColor(Reader& reader, const JsonView& at, bool spectral, Light& light) {
+    for (const std::string_view name : {"temperature_k", "spectrum"}) {
+        const std::optional<JsonView> member = at.Find(name);
+        if (member && spectral) {
+            return reader.Refuse(*member, "bad_value",
+                                 "color_space \"spectral\" weights no wavelength: " +
+                                     std::string(name) + " goes with a colour picture");
+        }
+    }
+    const std::optional<JsonView> spectrum = at.Find("spectrum");
+    if (spectrum && at.Find("temperature_k")) {
+        return reader.Refuse(*spectrum, "bad_value",
+                             "a light has a temperature or a spectrum, not both");
+    }
+    return IfGiven(at, "irradiance",
+                   [&](const JsonView& v) { return ReadIrradiance(reader, v, spectral, light); }) &&
+           IfGiven(at, "temperature_k",
+                   [&](const JsonView& v) {
+                       return reader.Number(
+                           v, FromUpTo(limits::kMinTemperature_k, limits::kMaxTemperature_k),
+                           light.temperature_k.emplace());
+                   }) &&
+           IfGiven(at, "spectrum", [&](const JsonView& v) {
+               return ReadSpectrum(reader, v, light.spectrum.emplace());
+           });
+}
+
 bool ReadLight(Reader& reader, const JsonView& at, bool spectral, bool points, Light& light) {
-    if (!reader.Object(at,
-                       {"direction", "pixel", "distance_m", "irradiance", "angular_diameter_deg"},
-                       {"temperature_k"})) {
+    if (!reader.Object(at, {"direction", "pixel", "distance_m", "irradiance",
+                            "angular_diameter_deg", "temperature_k", "spectrum"})) {
         return false;
     }
     const std::optional<JsonView> direction = at.Find("direction");
@@ -55,13 +83,64 @@ bool ReadLight(Reader& reader, const JsonView& at, bool spectral, bool points, L
                            v, FromUpTo(limits::kMinDistance_m, limits::kMaxDistance_m),
                            light.distance_m.emplace());
                    }) &&
-           IfGiven(at, "irradiance",
-                   [&](const JsonView& v) { return ReadIrradiance(reader, v, spectral, light); }) &&
+           ReadColor(reader, at, spectral, light) &&
            IfGiven(at, "angular_diameter_deg", [&](const JsonView& v) {
                double& diameter = light.angular_diameter_deg;
                return reader.Number(v, FromUpTo(0.0, limits::kMaxAngularDiameter_deg), diameter) &&
                       (diameter == 0.0 || !points || reader.Unsupported(v));
            });
+}
+
+bool ReadPhoton(Reader& reader, const JsonView& at, Photon& photon) {
+    return IfGiven(at, "samples",
+                   [&](const JsonView& v) {
+                       return reader.Integer(v, limits::kMinPhotonSamples,
+                                             limits::kMaxPhotonSamples, photon.samples);
+                   }) &&
+           IfGiven(at, "seed",
+                   [&](const JsonView& v) {
+                       return reader.Integer(v, 0, limits::kMaxSeed, photon.seed);
+                   }) &&
+           IfGiven(at, "estimate",
+                   [&](const JsonView& v) {
+                       return reader.OneOf<PhotonEstimate>(v,
+                                                           {{"pixel", PhotonEstimate::kPixel},
+                                                            {"kernel", PhotonEstimate::kKernel},
+                                                            {"nearest", PhotonEstimate::kNearest}},
+                                                           photon.estimate);
+                   }) &&
+           IfGiven(at, "kernel_px",
+                   [&](const JsonView& v) {
+                       return reader.Number(
+                           v, FromUpTo(limits::kMinPhotonKernel_px, limits::kMaxPhotonKernel_px),
+                           photon.kernel_px);
+                   }) &&
+           IfGiven(at, "nearest", [&](const JsonView& v) {
+               return reader.Integer(v, limits::kMinPhotonNearest, limits::kMaxPhotonNearest,
+                                     photon.nearest);
+           });
+}
+
+// How a reference is made: "method" and what goes with photons.
+bool ReadMethod(Reader& reader, const JsonView& at, Quality& quality) {
+    bool photons = false;
+    const std::optional<JsonView> method = at.Find("method");
+    if (method) {
+        if (!reader.OneOf<bool>(*method, {{"mesh", false}, {"photon", true}}, photons))
+            return false;
+        if (quality.preset != Preset::kReference) {
+            return reader.Refuse(*method, "bad_value",
+                                 "a method goes with the preset \"reference\"");
+        }
+    }
+    for (const std::string_view name : {"samples", "seed", "estimate", "kernel_px", "nearest"}) {
+        const std::optional<JsonView> member = at.Find(name);
+        if (member && !photons) {
+            return reader.Refuse(*member, "bad_value",
+                                 std::string(name) + " goes with the method \"photon\"");
+        }
+    }
+    return !photons || ReadPhoton(reader, at, quality.photon.emplace());
 }
 
 bool ReadReflections(Reader& reader, const JsonView& at, int& reflections) {
@@ -84,8 +163,10 @@ bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
 }
 
 bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality) {
-    if (!reader.Object(at, {"preset", "tolerance", "max_error", "time_budget_ms"}, {"method"}))
+    if (!reader.Object(at, {"preset", "tolerance", "max_error", "time_budget_ms", "method",
+                            "samples", "seed", "estimate", "kernel_px", "nearest"})) {
         return false;
+    }
     int given = 0;
     for (const char* const name : {"preset", "tolerance", "max_error", "time_budget_ms"}) {
         given += at.Find(name) ? 1 : 0;
@@ -113,7 +194,8 @@ bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality) {
            number("max_error", Between(limits::kMinTolerance, limits::kMaxTolerance),
                   quality.max_error) &&
            number("time_budget_ms", AboveZeroUpTo(limits::kMaxTimeBudget_ms),
-                  quality.time_budget_ms);
+                  quality.time_budget_ms) &&
+           ReadMethod(reader, at, quality);
 }
 
 bool ReadModel(Reader& reader, const JsonView& at, Model& model) {

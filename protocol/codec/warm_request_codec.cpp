@@ -49,7 +49,8 @@ bool ReadWarmQuality(Reader& reader, const JsonView& at, Quality& quality) {
                                  "meshes are those of a preset or a tolerance");
         }
     }
-    return true;
+    return !quality.photon ||
+           reader.RefuseMember(at, "method", "bad_value", "only a picture is made by photons");
 }
 
 bool ReadPlaces(Reader& reader, const JsonView& root, WarmRequest& request) {

@@ -16,7 +16,7 @@ namespace flare::wire {
 
 enum class Projection { kDefault, kRectilinear, kLens };
 enum class Units { kSceneLinear, kSensorIrradiance };
-enum class ColorSpace { kLinRec709, kSpectral };
+enum class ColorSpace { kLinRec709, kAcesCg, kAces2065, kSpectral };
 enum class Preset { kDraft, kPreview, kFinal, kReference };
 enum class Compression { kZip, kNone };
 enum class PixelType { kHalf, kFloat };
@@ -61,19 +61,42 @@ struct Image {
     bool desqueeze = false;  // in the proportions of the scene, not as squeezed on the sensor
 };
 
-// Exactly one of direction and pixel is there.
+// Relative power at ascending wavelengths.
+struct SampledSpectrum {
+    std::vector<double> wavelengths_nm, values;
+};
+
+// What a camera's channels see at ascending wavelengths.
+struct Camera {
+    std::vector<double> wavelengths_nm, red, green, blue;
+};
+
+// Exactly one of direction and pixel is there; of temperature and spectrum at most one.
 struct Light {
     std::optional<std::array<double, 3>> direction;  // not zero; any length
     std::optional<std::array<double, 2>> pixel;
     std::optional<double> distance_m;  // absent: infinitely far
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
+    std::optional<double> temperature_k;
+    std::optional<SampledSpectrum> spectrum;
     double angular_diameter_deg = 0.0;  // above 0 only without ghosts
+};
+
+// The reference by photons in place of meshes.
+enum class PhotonEstimate { kPixel, kKernel, kNearest };
+struct Photon {
+    int samples = 1 << 18;
+    int seed = 0;
+    PhotonEstimate estimate = PhotonEstimate::kPixel;
+    double kernel_px = 2.0;
+    int nearest = 32;
 };
 
 // One preset; or one of the three numbers, and then the preset means nothing.
 struct Quality {
     Preset preset = Preset::kPreview;
     std::optional<double> tolerance, max_error, time_budget_ms;
+    std::optional<Photon> photon;  // with kReference alone
 };
 
 struct Output {
@@ -97,6 +120,7 @@ struct FlareRequest {
     Units units = Units::kSceneLinear;
     ColorSpace color_space = ColorSpace::kLinRec709;
     std::vector<double> wavelengths_nm;  // for kSpectral: at least one, all different
+    std::optional<Camera> camera;
     Quality quality;
     Layers layers;
     Starburst starburst;

@@ -42,7 +42,7 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
     texts.emplace_back("flareRequestHash", request_hash);
     texts.emplace_back("flareUnits",
                        request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
-    texts.emplace_back("flareColorSpace", spectral ? "spectral" : "lin_rec709");
+    texts.emplace_back("flareColorSpace", ColorSpaceName(request));
     if (!facts.ghosts.empty()) texts.emplace_back("flareModels", ModelsText(facts.ghosts));
     if (!facts.clamped.empty()) texts.emplace_back("flareClamped", Joined(facts.clamped, "; "));
     if (spectral) texts.emplace_back("spectralLayoutVersion", "1.0");

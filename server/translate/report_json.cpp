@@ -26,7 +26,24 @@ std::string_view PresetName(QualityPreset preset) {
     return "preview";
 }
 
-void WriteQuality(JsonWriter& json, const Quality& quality) {
+void WritePhoton(JsonWriter& json, const PhotonSpec& spec) {
+    json.Member("method", "photon").Member("samples", static_cast<std::uint64_t>(spec.samples));
+    json.Member("seed", spec.seed);
+    switch (spec.estimate) {
+        case PhotonEstimate::kPixel:
+            json.Member("estimate", "pixel");
+            break;
+        case PhotonEstimate::kKernel:
+            json.Member("estimate", "kernel").Member("kernel_px", spec.kernel_px);
+            break;
+        case PhotonEstimate::kNearest:
+            json.Member("estimate", "nearest").Member("nearest", spec.nearest);
+            break;
+    }
+}
+
+void WriteQuality(JsonWriter& json, const Quality& quality,
+                  const std::optional<PhotonSpec>& photon) {
     json.BeginInlineObject();
     if (quality.tolerance) {
         json.Member("tolerance", *quality.tolerance);
@@ -36,6 +53,7 @@ void WriteQuality(JsonWriter& json, const Quality& quality) {
         json.Member("time_budget_ms", *quality.time_budget_ms);
     } else {
         json.Member("preset", PresetName(quality.preset));
+        if (photon) WritePhoton(json, *photon);
     }
     json.End();
 }
@@ -80,7 +98,7 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Member("colour", error.colour).Member("mesh", error.mesh);
     json.Member("pieces", error.pieces).End();
     json.Key("plan");
-    WriteQuality(json, request.quality);
+    WriteQuality(json, request.quality, request.photon);
 }
 
 std::string_view CullingName(CullingRule rule) {
@@ -178,6 +196,21 @@ void WriteClamped(JsonWriter& json, const std::vector<std::string>& clamped) {
 
 }  // namespace
 
+std::string ColorSpaceName(const FlareRequest& request) {
+    if (request.camera) return "camera";
+    switch (request.color) {
+        case ColorMode::kLinRec709:
+            return "lin_rec709";
+        case ColorMode::kAcesCg:
+            return "acescg";
+        case ColorMode::kAces2065:
+            return "aces2065-1";
+        case ColorMode::kSpectral:
+            return "spectral";
+    }
+    return "lin_rec709";
+}
+
 std::string ReportJson(const FlareRequest& request, const Report& report, const ReplyFacts& reply) {
     const Facts& facts = report.facts;
     JsonWriter json(JsonWriter::Style::kPretty);
@@ -188,9 +221,9 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
                 request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
     json.Member("scene_linear_factor", facts.scene_linear_factor);
     json.Member("squeeze", facts.squeeze).Member("desqueezed", request.image.desqueeze);
-    json.Member("color_space", request.color == ColorMode::kSpectral ? "spectral" : "lin_rec709");
+    json.Member("color_space", ColorSpaceName(request));
     json.Key("quality");
-    WriteQuality(json, reply.asked);
+    WriteQuality(json, reply.asked, request.photon);
     WriteModel(json, request.model);
     WriteClamped(json, facts.clamped);
     json.Member("light_count", static_cast<std::uint64_t>(request.lights.size()));
@@ -199,6 +232,10 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
     if (facts.four_reflections) {
         json.Key("four_reflections");
         WriteFourReflections(json, *facts.four_reflections);
+    }
+    if (facts.photon) {
+        json.Key("photon").BeginInlineObject().Member("rays", facts.photon->rays);
+        json.Member("landed", facts.photon->landed).Member("rel_l1", facts.photon->rel_l1).End();
     }
     if (facts.starburst) WriteStarburst(json, request.starburst, *facts.starburst);
     WriteGhosts(json, facts.ghosts);

@@ -26,6 +26,9 @@ struct ReplyFacts {
     const EncoderUse* encoder = nullptr;  // whose state was used; null: none
 };
 
+// What the picture's channels are: a word of the request's "color_space", or "camera".
+std::string ColorSpaceName(const FlareRequest& request);
+
 // The whole report, readable.
 std::string ReportJson(const FlareRequest& request, const Report& report, const ReplyFacts& reply);
 

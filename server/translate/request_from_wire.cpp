@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/spectrum/light_spectrum.h"
+#include "core/spectrum/sampled_curve.h"
 #include "server/translate/lens_from_wire.h"
 
 namespace flare {
@@ -67,12 +69,52 @@ ModelSpec ModelFromWire(const wire::Model& model) {
             CullingFromWire(model.culling)};
 }
 
+PhotonSpec PhotonFromWire(const wire::Photon& photon) {
+    PhotonSpec spec;
+    spec.samples = photon.samples;
+    spec.seed = static_cast<std::uint64_t>(photon.seed);
+    spec.estimate = photon.estimate == wire::PhotonEstimate::kPixel    ? PhotonEstimate::kPixel
+                    : photon.estimate == wire::PhotonEstimate::kKernel ? PhotonEstimate::kKernel
+                                                                       : PhotonEstimate::kNearest;
+    spec.kernel_px = photon.kernel_px;
+    spec.nearest = photon.nearest;
+    return spec;
+}
+
+ColorMode ColorFromWire(wire::ColorSpace space) {
+    switch (space) {
+        case wire::ColorSpace::kLinRec709:
+            return ColorMode::kLinRec709;
+        case wire::ColorSpace::kAcesCg:
+            return ColorMode::kAcesCg;
+        case wire::ColorSpace::kAces2065:
+            return ColorMode::kAces2065;
+        case wire::ColorSpace::kSpectral:
+            return ColorMode::kSpectral;
+    }
+    return ColorMode::kLinRec709;
+}
+
+// Of luminance 1. Scaled first, so that no sum overflows or vanishes.
+std::shared_ptr<const Spectrum> SpectrumFromWire(const wire::SampledSpectrum& curve) {
+    std::vector<double> values = curve.values;
+    const double largest = *std::max_element(values.begin(), values.end());
+    for (double& value : values) value /= largest;
+    Spectrum power = SpectrumOfCurve(curve.wavelengths_nm, values);
+    const double luminance = Luminance(power);
+    if (!(luminance > 0.0)) return nullptr;
+    for (double& value : power) value /= luminance;
+    return std::make_shared<const Spectrum>(power);
+}
+
 LightSpec LightFromWire(const wire::Light& light) {
     LightSpec spec;
     if (light.direction) spec.direction = DirectionFromWire(*light.direction);
     if (light.pixel) spec.pixel = Vec2d((*light.pixel)[0], (*light.pixel)[1]);
     spec.distance_m = light.distance_m;
     spec.irradiance = Vec3d(light.irradiance[0], light.irradiance[1], light.irradiance[2]);
+    spec.temperature_k = light.temperature_k;
+    if (light.spectrum) spec.spectrum = SpectrumFromWire(*light.spectrum);
     spec.angular_diameter_deg = light.angular_diameter_deg;
     return spec;
 }
@@ -109,16 +151,30 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.lights.reserve(request.lights.size());
     for (const wire::Light& light : request.lights) {
         translated.lights.push_back(LightFromWire(light));
+        if (light.spectrum && !translated.lights.back().spectrum) {
+            return Error{"bad_value", "the spectrum has no light that the eye sees",
+                         "/lights/" + std::to_string(translated.lights.size() - 1) + "/spectrum"};
+        }
     }
     translated.units =
         request.units == wire::Units::kSceneLinear ? Units::kSceneLinear : Units::kSensorIrradiance;
-    translated.color = request.color_space == wire::ColorSpace::kSpectral ? ColorMode::kSpectral
-                                                                          : ColorMode::kLinRec709;
+    translated.color = ColorFromWire(request.color_space);
+    if (request.camera) {
+        const wire::Camera& camera = *request.camera;
+        const std::optional<ColorResponse> response =
+            ResponseOf({camera.wavelengths_nm, camera.red, camera.green, camera.blue});
+        if (!response) {
+            return Error{"bad_value", "a channel of the camera sees nothing of white light",
+                         "/camera"};
+        }
+        translated.camera = std::make_shared<const ColorResponse>(*response);
+    }
     translated.wavelengths_nm = request.wavelengths_nm;
     translated.quality = PresetFromWire(request.quality.preset);
     translated.quality.tolerance = request.quality.tolerance;
     translated.quality.max_error = request.quality.max_error;
     translated.quality.time_budget_ms = request.quality.time_budget_ms;
+    if (request.quality.photon) translated.photon = PhotonFromWire(*request.quality.photon);
     return translated;
 }
 

@@ -5,7 +5,7 @@ namespace flare {
 namespace {
 
 // Grows with every change of what the values mean or of their order here.
-constexpr int kHashVersion = 4;
+constexpr int kHashVersion = 5;
 
 void Add(Fingerprinter& hash, const std::optional<double>& value) {
     hash.Add(value.has_value());
@@ -44,10 +44,27 @@ void Add(Fingerprinter& hash, const wire::Coatings& coatings) {
     for (const auto& [surface, name] : coatings.surfaces) hash.Add(surface).Add(name);
 }
 
+void Add(Fingerprinter& hash, const wire::Quality& quality) {
+    hash.Add(static_cast<int>(quality.preset));
+    Add(hash, quality.tolerance);
+    Add(hash, quality.max_error);
+    Add(hash, quality.time_budget_ms);
+    hash.Add(quality.photon.has_value());
+    if (!quality.photon) return;
+    const wire::Photon& photon = *quality.photon;
+    hash.Add(photon.samples).Add(photon.seed).Add(static_cast<int>(photon.estimate));
+    hash.Add(photon.kernel_px).Add(photon.nearest);
+}
+
 void Add(Fingerprinter& hash, const wire::Model& model) {
     hash.Add(model.reflections).Add(model.four_reflection_threshold);
     hash.Add(model.sensor_reflection).Add(static_cast<int>(model.ringing));
     hash.Add(static_cast<int>(model.culling));
+}
+
+void Add(Fingerprinter& hash, const std::vector<double>& values) {
+    hash.Add(static_cast<std::int64_t>(values.size()));
+    for (const double value : values) hash.Add(value);
 }
 
 void Add(Fingerprinter& hash, const wire::Light& light) {
@@ -56,6 +73,12 @@ void Add(Fingerprinter& hash, const wire::Light& light) {
     Add(hash, light.distance_m);
     Add(hash, light.irradiance);
     hash.Add(light.angular_diameter_deg);
+    Add(hash, light.temperature_k);
+    hash.Add(light.spectrum.has_value());
+    if (light.spectrum) {
+        Add(hash, light.spectrum->wavelengths_nm);
+        Add(hash, light.spectrum->values);
+    }
 }
 
 void Add(Fingerprinter& hash, const wire::Starburst& starburst) {
@@ -99,12 +122,15 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     hash.Add(static_cast<std::int64_t>(request.lights.size()));
     for (const wire::Light& light : request.lights) Add(hash, light);
     hash.Add(static_cast<int>(request.units)).Add(static_cast<int>(request.color_space));
-    hash.Add(static_cast<std::int64_t>(request.wavelengths_nm.size()));
-    for (const double wavelength_nm : request.wavelengths_nm) hash.Add(wavelength_nm);
-    hash.Add(static_cast<int>(request.quality.preset));
-    Add(hash, request.quality.tolerance);
-    Add(hash, request.quality.max_error);
-    Add(hash, request.quality.time_budget_ms);
+    Add(hash, request.wavelengths_nm);
+    hash.Add(request.camera.has_value());
+    if (request.camera) {
+        Add(hash, request.camera->wavelengths_nm);
+        Add(hash, request.camera->red);
+        Add(hash, request.camera->green);
+        Add(hash, request.camera->blue);
+    }
+    Add(hash, request.quality);
     Add(hash, request.model);
     hash.Add(request.layers.ghosts).Add(request.layers.starburst);
     if (request.layers.starburst) Add(hash, request.starburst);

@@ -125,14 +125,16 @@ BODIES = [
     # In the contract, not built yet.
     (changed(layers=["bokeh"]), 400, "unsupported", "/layers/0"),
     (changed(encoder="follow-focus"), 404, "unknown_encoder", "/encoder"),
-    (changed(color_space="acescg"), 400, "unsupported", "/color_space"),
+    (changed(color_space="srgb"), 400, "bad_value", "/color_space"),
     (changed(quality={"max_error": 2}), 400, "bad_value", "/quality/max_error"),
     (changed(quality={"time_budget_ms": -40}), 400, "bad_value", "/quality/time_budget_ms"),
     (changed(quality={"max_error": 0.02, "time_budget_ms": 40}), 400, "bad_value",
      "/quality/preset"),
     (changed(iris={"mask": "x"}), 400, "unsupported", "/iris/mask"),
-    (with_light(direction=[0, 0, 1], temperature_k=3200), 400, "unsupported",
+    (with_light(direction=[0, 0, 1], temperature_k=3), 400, "bad_value",
      "/lights/0/temperature_k"),
+    (with_light(direction=[0, 0, 1], spectrum={"wavelengths_nm": [500], "values": [0]}), 400,
+     "bad_value", "/lights/0/spectrum/values"),
     (with_light(direction=[0, 0, 1], angular_diameter_deg=0.5), 400, "unsupported",
      "/lights/0/angular_diameter_deg"),
     # Inline lenses of every sort of brokenness.

@@ -114,6 +114,23 @@ TEST(DecodeExr, GivesBackWhatEncodeExrWrote) {
     }
 }
 
+TEST(DecodeExr, GivesBackOtherPrimaries) {
+    FlareImage image;
+    image.full = image.data = {0, 0, 2, 1};
+    image.planes = {{"R", std::vector<float>{1.0f, 2.0f}}};
+    image.rec709 = false;
+    ThreadPool threads(1);
+    const auto read = [&] { return DecodeExr(EncodeExr(image, {}, threads).bytes); };
+    EXPECT_FALSE(read()->rec709);
+    EXPECT_FALSE(read()->chromaticities);
+    image.chromaticities = Ap1Chromaticities();
+    const Result<FlareImage> wide = read();
+    EXPECT_FALSE(wide->rec709);
+    ASSERT_TRUE(wide->chromaticities);
+    EXPECT_NEAR(wide->chromaticities->green.y, 0.830, 1e-6);
+    EXPECT_NEAR(wide->chromaticities->white.x, 0.32168, 1e-6);
+}
+
 TEST(DecodeExr, ReadsEveryLosslessCompressionAndTiles) {
     const std::vector<float> plane = SmallPlane();
     std::vector<std::string> files;

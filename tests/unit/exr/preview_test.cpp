@@ -56,6 +56,25 @@ TEST(EncodePng, TheBrightestChannelOfAnEvenPictureIsAtEightyPercentGrey) {
     EXPECT_EQ(png.codes[2], 0);
 }
 
+// One colour, in the primaries of Rec.709 and of AP1 (columns of the published matrix).
+TEST(EncodePng, ShowsOtherPrimariesInTheirColours) {
+    const FlareImage plain = Flat(3, 2, {{"R", 1.0f}, {"G", 0.5f}, {"B", 0.2f}});
+    const auto mixed = [](double r, double g, double b) {
+        return static_cast<float>(r + 0.5 * g + 0.2 * b);
+    };
+    FlareImage wide = Flat(3, 2,
+                           {{"R", mixed(0.6130974, 0.3395231, 0.0473795)},
+                            {"G", mixed(0.0701937, 0.9163539, 0.0134524)},
+                            {"B", mixed(0.0206156, 0.1095698, 0.8698146)}});
+    wide.rec709 = false;
+    wide.chromaticities = Ap1Chromaticities();
+    const Pixels want = ReadPng(EncodePng(plain)), got = ReadPng(EncodePng(wide));
+    ASSERT_EQ(got.codes.size(), want.codes.size());
+    for (std::size_t i = 0; i < want.codes.size(); ++i) {
+        EXPECT_NEAR(got.codes[i], want.codes[i], 1.0);
+    }
+}
+
 TEST(EncodePng, ScaleDoesNotMatter) {
     FlareImage image = Gradient(64, 64, {"R", "G", "B"});
     const std::string png = EncodePng(image);

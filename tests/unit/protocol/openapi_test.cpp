@@ -41,11 +41,14 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         {"starburst", "seed", "7"},
         {"", "units", R"("scene_linear")"},
         {"", "color_space", R"("lin_rec709")"},
+        {"", "camera", R"({"wavelengths_nm":[550],"red":[1],"green":[2],"blue":[3]})"},
         {"", "quality", R"({"preset":"draft"})"},
         {"quality", "preset", R"("draft")"},
         {"quality", "tolerance", "0.01"},
         {"quality", "max_error", "0.02"},
         {"quality", "time_budget_ms", "40"},
+        {"", "quality", R"({"preset":"reference","method":"photon","samples":64,"seed":1,
+                            "estimate":"kernel","kernel_px":2.5,"nearest":8})"},
         {"", "model", "{}"},
         {"", "output", "{}"},
         {"", "encoder", R"("A-cam")"},
@@ -73,7 +76,10 @@ TEST(OpenApiDocument, DescribesTheFieldsThatTheCodecKnows) {
         EXPECT_NE(document.find(std::string(" ") + field.member + ":"), std::string_view::npos)
             << field.member;
     }
-    EXPECT_NE(document.find(" desqueeze:"), std::string_view::npos);
+    for (const char* member : {" desqueeze:", " temperature_k:", " spectrum:", " method:",
+                               " samples:", " estimate:", " kernel_px:", " nearest:"}) {
+        EXPECT_NE(document.find(member), std::string_view::npos) << member;
+    }
 }
 
 }  // namespace

@@ -72,6 +72,33 @@ TEST(RequestFromWire, CarriesEveryValueOver) {
     EXPECT_EQ(request->quality, QualityPreset::kFinal);
 }
 
+TEST(RequestFromWire, CarriesColourOver) {
+    const Result<FlareRequest> request =
+        Translated(std::string(R"({"lens":")") + kSeed + R"(","color_space":"aces2065-1",
+            "camera":{"wavelengths_nm":[400,700],"red":[0,1],"green":[1,1],"blue":[1,0]},
+            "image":{"width":1,"height":1,"sensor_width_mm":36},
+            "lights":[{"direction":[0,0,1],"temperature_k":3200},
+                      {"direction":[0,0,1],
+                       "spectrum":{"wavelengths_nm":[500,505],"values":[1e30,5e29]}}]})");
+    ASSERT_TRUE(request) << request.error().message;
+    EXPECT_EQ(request->color, ColorMode::kAces2065);
+    ASSERT_NE(request->camera, nullptr);
+    EXPECT_GT((*request->camera)[60].x, (*request->camera)[10].x);
+    EXPECT_EQ(request->lights[0].temperature_k, 3200.0);
+    ASSERT_NE(request->lights[1].spectrum, nullptr);
+    const Spectrum& power = *request->lights[1].spectrum;
+    EXPECT_DOUBLE_EQ(power[24], 2.0 * power[25]);
+    EXPECT_EQ(power[23], 0.0);
+}
+
+TEST(RequestFromWire, RefusesACameraThatSeesNothing) {
+    // Light at 380.5 nm alone lies beside every sample.
+    const Result<FlareRequest> request = Translated(
+        SeedBody(R"("camera":{"wavelengths_nm":[381],"red":[1],"green":[1],"blue":[1]})"));
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().where, "/camera");
+}
+
 TEST(RequestFromWire, TakesTheCoatingsOffWhenAsked) {
     const Result<FlareRequest> bare = Translated(SeedBody(R"("coatings":"none")"));
     ASSERT_TRUE(bare);
@@ -217,10 +244,19 @@ TEST(RequestHash, ChangesWithEveryField) {
                                 R"("iris":{"roundness":0.5})",
                                 R"("iris":{"rotation_deg":1})",
                                 R"("quality":{"preset":"draft"})",
+                                R"("quality":{"preset":"reference"})",
+                                R"("quality":{"preset":"reference","method":"photon"})",
+                                R"("quality":{"preset":"reference","method":"photon","seed":1})",
                                 R"("output":{"pixel":"float"})",
                                 R"("output":{"compression":"none"})",
                                 R"("color_space":"spectral","wavelengths_nm":[550])",
                                 R"("color_space":"spectral","wavelengths_nm":[550,551])",
+                                R"("color_space":"acescg")",
+                                R"("color_space":"aces2065-1")",
+                                R"("camera":{"wavelengths_nm":[500,600],"red":[1,1],"green":[1,1],
+                                             "blue":[1,1]})",
+                                R"("camera":{"wavelengths_nm":[500,600],"red":[1,1],"green":[1,1],
+                                             "blue":[1,2]})",
                                 R"("focus_m":2)",
                                 R"("focus_m":0.01)",
                                 R"("focus_m":0.02)",
@@ -256,6 +292,9 @@ TEST(RequestHash, ChangesWithEveryField) {
     for (const char* lights : {"[]", R"([{"direction":[0,0,2]}])", R"([{"pixel":[96,54]}])",
                                R"([{"direction":[0,0,1],"distance_m":2}])",
                                R"([{"direction":[0,0,1],"irradiance":[1,1,2]}])",
+                               R"([{"direction":[0,0,1],"temperature_k":3200}])",
+                               R"([{"direction":[0,0,1],"spectrum":{"wavelengths_nm":[500],
+                                    "values":[1]}}])",
                                R"([{"direction":[0,0,1]},{"direction":[0,0,1]}])"}) {
         hashes.push_back(HashOf(lens + image + R"(},"lights":)" + lights + "}"));
     }
@@ -272,6 +311,14 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(static_cast<int>(limits::kWavelengths), kMaxWavelengths);
     EXPECT_EQ(limits::kMaxFourReflectionThreshold, kMaxFourReflectionThreshold);
     EXPECT_EQ(limits::kMaxAngularDiameter_deg, kMaxAngularDiameter_deg);
+    EXPECT_EQ(limits::kMinPhotonSamples, kMinPhotonSamples);
+    EXPECT_EQ(limits::kMaxPhotonSamples, kMaxPhotonSamples);
+    EXPECT_EQ(limits::kMinPhotonKernel_px, kMinPhotonKernel_px);
+    EXPECT_EQ(limits::kMaxPhotonKernel_px, kMaxPhotonKernel_px);
+    EXPECT_EQ(limits::kMinPhotonNearest, kMinPhotonNearest);
+    EXPECT_EQ(limits::kMaxPhotonNearest, kMaxPhotonNearest);
+    EXPECT_EQ(limits::kMinTemperature_k, kMinTemperature_k);
+    EXPECT_EQ(limits::kMaxTemperature_k, kMaxTemperature_k);
     EXPECT_EQ(limits::kMaxJitter_deg, kMaxJitter_deg);
     EXPECT_EQ(limits::kMaxJitterCount, kMaxJitterCount);
     EXPECT_EQ(limits::kMinTolerance, kMinTolerance);
