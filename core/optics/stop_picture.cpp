@@ -36,42 +36,141 @@ int PartsOf(double length) {
     return static_cast<int>(std::ceil(std::clamp(length, 1.0, static_cast<double>(kMostParts))));
 }
 
+struct Plane {
+    int side = 0;
+    std::vector<float> values;
+};
+
+// Beyond the plane all is `outside`.
+float Bilinear(const Plane& plane, const Vec2d& p, float outside) {
+    const double fx = std::floor(p.x - 0.5);
+    const double fy = std::floor(p.y - 0.5);
+    const double last = plane.side;
+    if (!(fx >= -1.0 && fy >= -1.0 && fx < last && fy < last)) return outside;
+    const int i = static_cast<int>(fx);
+    const int j = static_cast<int>(fy);
+    const auto u = static_cast<float>(p.x - 0.5 - fx);
+    const auto v = static_cast<float>(p.y - 0.5 - fy);
+    const auto at = [&](int a, int b) {
+        if (a < 0 || b < 0 || a >= plane.side || b >= plane.side) return outside;
+        return plane.values[At2(a, b, plane.side)];
+    };
+    const float below = at(i, j) + u * (at(i + 1, j) - at(i, j));
+    const float above = at(i, j + 1) + u * (at(i + 1, j + 1) - at(i, j + 1));
+    return below + v * (above - below);
+}
+
+// Parts of a footprint, in cells of a level: right, down and smear are each cut into some.
+struct Parts {
+    Vec2d middle, right, down, smear;  // of one part, but for the middle
+    int across = 1, along = 1, deep = 1;
+
+    template <class Value>
+    double Mean(Value value) const {
+        double sum = 0.0;
+        for (int k = 0; k < deep; ++k) {
+            for (int j = 0; j < along; ++j) {
+                for (int i = 0; i < across; ++i) {
+                    sum += value(middle + right * (i - 0.5 * (across - 1)) +
+                                 down * (j - 0.5 * (along - 1)) + smear * (k - 0.5 * (deep - 1)));
+                }
+            }
+        }
+        return sum / (static_cast<double>(across) * along * deep);
+    }
+};
+
 }  // namespace
 
+// All in cells: what does not depend on where the picture stands.
+struct StopPicture::Cells {
+    Cells(int side, std::vector<float> values, bool sharp_edges);
+
+    void MakeLevels();
+    void FindEdges();
+    void FindShades(const std::vector<float>& values);
+    void MakeRanges();
+    void MeasureRadii();
+    Range Over(Vec2d lo, Vec2d hi) const;
+    double ShadeAt(const Plane& shade, const Vec2d& p, double otherwise) const {
+        return shade.side == 0 ? otherwise : static_cast<double>(Bilinear(shade, p, 0.0F));
+    }
+    double DistanceAt(const Vec2d& p) const {
+        return static_cast<double>(Bilinear(distance, p, static_cast<float>(kBand)));
+    }
+    double SharpAt(const Vec2d& p, const Parts& parts) const;
+
+    bool sharp;
+    std::vector<Plane> levels;      // means over 2^level cells a side
+    std::vector<Plane> lo, hi;      // of what interpolation may give in each cell
+    Plane distance;                 // sharp: to the nearest edge, negative in the light
+    Plane light_shade, dark_shade;  // on both sides of edges; empty: 1 and 0
+    std::vector<std::vector<Vec2d>> outlines;
+    double area = 0.0, outer_radius = 0.0, clear_radius = 0.0;
+};
+
 std::shared_ptr<const StopPicture> StopPicture::Smooth(StopGrid grid) {
-    return std::shared_ptr<const StopPicture>(new StopPicture(std::move(grid), false));
+    return std::shared_ptr<const StopPicture>(
+        new StopPicture(std::make_shared<const Cells>(grid.side, std::move(grid.values), false),
+                        grid.half_width_mm, 0.0));
 }
 
 std::shared_ptr<const StopPicture> StopPicture::Sharp(StopGrid grid) {
-    return std::shared_ptr<const StopPicture>(new StopPicture(std::move(grid), true));
+    return std::shared_ptr<const StopPicture>(
+        new StopPicture(std::make_shared<const Cells>(grid.side, std::move(grid.values), true),
+                        grid.half_width_mm, 0.0));
 }
 
-StopPicture::StopPicture(StopGrid grid, bool sharp)
-    : half_width_(grid.half_width_mm),
-      cell_(grid.cell_mm()),
-      per_cell_(1.0 / grid.cell_mm()),
-      sharp_(sharp) {
-    const auto count = static_cast<std::size_t>(grid.side) * static_cast<std::size_t>(grid.side);
-    FLARE_CHECK(grid.side > 0 && grid.half_width_mm > 0.0 && grid.values.size() == count);
-    double sum = 0.0;
-    for (const float value : grid.values) {
-        FLARE_CHECK(value >= 0.0F && std::isfinite(value));
-        sum += static_cast<double>(value);
+StopPicture::StopPicture(std::shared_ptr<const Cells> cells, double half_width_mm, double turn_rad)
+    : cells_(std::move(cells)), half_width_(half_width_mm) {
+    FLARE_CHECK(half_width_mm > 0.0);
+    const int side = cells_->levels.front().side;
+    per_cell_ = side / (2.0 * half_width_mm);
+    across_ = Vec2d(std::cos(turn_rad), std::sin(turn_rad)) * per_cell_;
+    up_ = Vec2d(-across_.y, across_.x);
+    middle_ = Vec2d(0.5 * side, 0.5 * side);
+    area_mm2_ = cells_->area / (per_cell_ * per_cell_);
+    outer_radius_ = cells_->outer_radius / per_cell_;
+    clear_radius_ = cells_->clear_radius / per_cell_;
+}
+
+std::shared_ptr<const StopPicture> StopPicture::Placed(double half_width_mm,
+                                                       double turn_rad) const {
+    return std::shared_ptr<const StopPicture>(new StopPicture(cells_, half_width_mm, turn_rad));
+}
+
+std::vector<std::vector<Vec2d>> StopPicture::Outlines() const {
+    std::vector<std::vector<Vec2d>> loops = cells_->outlines;
+    for (std::vector<Vec2d>& loop : loops) {
+        for (Vec2d& p : loop) {
+            const Vec2d q = p - middle_;
+            p = (across_ * q.x + up_ * q.y) / (per_cell_ * per_cell_);
+        }
     }
-    area_mm2_ = sum * cell_ * cell_;
-    levels_.push_back({grid.side, std::move(grid.values)});
+    return loops;
+}
+
+StopPicture::Cells::Cells(int side, std::vector<float> values, bool sharp_edges)
+    : sharp(sharp_edges) {
+    FLARE_CHECK(side > 0 &&
+                values.size() == static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    for (const float value : values) {
+        FLARE_CHECK(value >= 0.0F && std::isfinite(value));
+        area += static_cast<double>(value);
+    }
+    levels.push_back({side, std::move(values)});
     MakeLevels();
-    if (sharp_) {
+    if (sharp) {
         FindEdges();
-        FindShades(levels_.front().values);
+        FindShades(levels.front().values);
     }
     MakeRanges();
     MeasureRadii();
 }
 
-void StopPicture::MakeLevels() {
-    while (levels_.back().side > 1) {
-        const Plane& fine = levels_.back();
+void StopPicture::Cells::MakeLevels() {
+    while (levels.back().side > 1) {
+        const Plane& fine = levels.back();
         Plane coarse{(fine.side + 1) / 2, {}};
         coarse.values.resize(static_cast<std::size_t>(coarse.side) *
                              static_cast<std::size_t>(coarse.side));
@@ -85,16 +184,16 @@ void StopPicture::MakeLevels() {
                              at(2 * i + 1, 2 * j + 1));
             }
         }
-        levels_.push_back(std::move(coarse));
+        levels.push_back(std::move(coarse));
     }
 }
 
-void StopPicture::FindEdges() {
-    const Plane& cells = levels_.front();
+void StopPicture::Cells::FindEdges() {
+    const Plane& cells = levels.front();
     const int side = cells.side;
-    outlines_ = OutlinesOf(cells.values, side);
-    distance_ = {side, std::vector<float>(cells.values.size(), static_cast<float>(kBand))};
-    for (const std::vector<Vec2d>& loop : outlines_) {
+    outlines = OutlinesOf(cells.values, side);
+    distance = {side, std::vector<float>(cells.values.size(), static_cast<float>(kBand))};
+    for (const std::vector<Vec2d>& loop : outlines) {
         for (std::size_t n = 0; n < loop.size(); ++n) {
             const Vec2d& a = loop[n];
             const Vec2d& b = loop[(n + 1) % loop.size()];
@@ -104,7 +203,7 @@ void StopPicture::FindEdges() {
             const int j1 = std::min(side - 1, static_cast<int>(std::max(a.y, b.y)) + kBand);
             for (int j = j0; j <= j1; ++j) {
                 for (int i = i0; i <= i1; ++i) {
-                    float& nearest = distance_.values[At2(i, j, side)];
+                    float& nearest = distance.values[At2(i, j, side)];
                     nearest = std::min(
                         nearest, static_cast<float>(DistanceToSegment({i + 0.5, j + 0.5}, a, b)));
                 }
@@ -112,21 +211,18 @@ void StopPicture::FindEdges() {
         }
     }
     for (std::size_t n = 0; n < cells.values.size(); ++n) {
-        if (cells.values[n] > 0.5F) distance_.values[n] *= -1.0F;
-    }
-    for (std::vector<Vec2d>& loop : outlines_) {
-        for (Vec2d& p : loop) p = p * cell_ - Vec2d(half_width_, half_width_);
+        if (cells.values[n] > 0.5F) distance.values[n] *= -1.0F;
     }
 }
 
 // Cells well off the edges tell the shades; those on an edge take them from around.
-void StopPicture::FindShades(const std::vector<float>& values) {
-    const int side = distance_.side;
+void StopPicture::Cells::FindShades(const std::vector<float>& values) {
+    const int side = distance.side;
     const auto shade = [&](float sign, float otherwise) {
         std::vector<float> out(values.size(), -1.0F);
         bool plain = true;
         for (std::size_t n = 0; n < values.size(); ++n) {
-            if (sign * distance_.values[n] < kOwnShade) continue;
+            if (sign * distance.values[n] < kOwnShade) continue;
             out[n] = values[n];
             plain = plain && values[n] == otherwise;
         }
@@ -152,16 +248,16 @@ void StopPicture::FindShades(const std::vector<float>& values) {
         for (float& value : out) value = value < 0.0F ? otherwise : value;
         return Plane{side, std::move(out)};
     };
-    light_shade_ = shade(-1.0F, 1.0F);
-    dark_shade_ = shade(1.0F, 0.0F);
+    light_shade = shade(-1.0F, 1.0F);
+    dark_shade = shade(1.0F, 0.0F);
 }
 
 // What a point of a cell may get comes from the cells around it.
-void StopPicture::MakeRanges() {
-    const Plane& cells = levels_.front();
+void StopPicture::Cells::MakeRanges() {
+    const Plane& cells = levels.front();
     const int side = cells.side;
-    Plane lo{side, std::vector<float>(cells.values.size())};
-    Plane hi = lo;
+    Plane least_of{side, std::vector<float>(cells.values.size())};
+    Plane most_of = least_of;
     for (int j = 0; j < side; ++j) {
         for (int i = 0; i < side; ++i) {
             const bool rim = i == 0 || j == 0 || i == side - 1 || j == side - 1;
@@ -174,13 +270,13 @@ void StopPicture::MakeRanges() {
                     most = std::max(most, value);
                 }
             }
-            lo.values[At2(i, j, side)] = least;
-            hi.values[At2(i, j, side)] = most;
+            least_of.values[At2(i, j, side)] = least;
+            most_of.values[At2(i, j, side)] = most;
         }
     }
-    lo_.push_back(std::move(lo));
-    hi_.push_back(std::move(hi));
-    while (lo_.back().side > 1) {
+    lo.push_back(std::move(least_of));
+    hi.push_back(std::move(most_of));
+    while (lo.back().side > 1) {
         const auto halve = [](const Plane& fine, auto pick) {
             Plane coarse{(fine.side + 1) / 2, {}};
             for (int j = 0; j < coarse.side; ++j) {
@@ -195,80 +291,52 @@ void StopPicture::MakeRanges() {
             }
             return coarse;
         };
-        Plane lower = halve(lo_.back(), [](float a, float b) { return std::min(a, b); });
-        Plane upper = halve(hi_.back(), [](float a, float b) { return std::max(a, b); });
-        lo_.push_back(std::move(lower));
-        hi_.push_back(std::move(upper));
+        Plane lower = halve(lo.back(), [](float a, float b) { return std::min(a, b); });
+        Plane upper = halve(hi.back(), [](float a, float b) { return std::max(a, b); });
+        lo.push_back(std::move(lower));
+        hi.push_back(std::move(upper));
     }
 }
 
-void StopPicture::MeasureRadii() {
-    const int side = levels_.front().side;
-    const double corner = half_width_ * std::sqrt(2.0);
+void StopPicture::Cells::MeasureRadii() {
+    const int side = levels.front().side;
+    const double half = 0.5 * side;
     double outer = 0.0;
-    double clear = half_width_;
+    double clear = half;
     for (int j = 0; j < side; ++j) {
         for (int i = 0; i < side; ++i) {
             const std::size_t n = At2(i, j, side);
-            const Vec2d middle((i + 0.5) * cell_ - half_width_, (j + 0.5) * cell_ - half_width_);
-            if (hi_[0].values[n] > 0.0F) {
-                const Vec2d far(std::abs(middle.x) + 0.5 * cell_, std::abs(middle.y) + 0.5 * cell_);
+            const Vec2d middle(i + 0.5 - half, j + 0.5 - half);
+            if (hi[0].values[n] > 0.0F) {
+                const Vec2d far(std::abs(middle.x) + 0.5, std::abs(middle.y) + 0.5);
                 outer = std::max(outer, far.length());
             }
-            if (lo_[0].values[n] != 1.0F || hi_[0].values[n] != 1.0F) {
-                const Vec2d near(std::max(0.0, std::abs(middle.x) - 0.5 * cell_),
-                                 std::max(0.0, std::abs(middle.y) - 0.5 * cell_));
+            if (lo[0].values[n] != 1.0F || hi[0].values[n] != 1.0F) {
+                const Vec2d near(std::max(0.0, std::abs(middle.x) - 0.5),
+                                 std::max(0.0, std::abs(middle.y) - 0.5));
                 clear = std::min(clear, near.length());
             }
         }
     }
-    outer_radius_ = std::min(outer, corner);
-    clear_radius_ = clear;
+    outer_radius = outer;
+    clear_radius = clear;
 }
 
-float StopPicture::Bilinear(const Plane& plane, double x, double y, float outside) {
-    const double fx = std::floor(x - 0.5);
-    const double fy = std::floor(y - 0.5);
-    const double last = plane.side;
-    if (!(fx >= -1.0 && fy >= -1.0 && fx < last && fy < last)) return outside;
-    const int i = static_cast<int>(fx);
-    const int j = static_cast<int>(fy);
-    const auto u = static_cast<float>(x - 0.5 - fx);
-    const auto v = static_cast<float>(y - 0.5 - fy);
-    const auto at = [&](int a, int b) {
-        if (a < 0 || b < 0 || a >= plane.side || b >= plane.side) return outside;
-        return plane.values[At2(a, b, plane.side)];
+StopPicture::Range StopPicture::Cells::Over(Vec2d from, Vec2d to) const {
+    const int side = levels.front().side;
+    const auto cell = [&](double at) {
+        return static_cast<int>(std::clamp(std::floor(at), -1.0, static_cast<double>(side)));
     };
-    const float below = at(i, j) + u * (at(i + 1, j) - at(i, j));
-    const float above = at(i, j + 1) + u * (at(i + 1, j + 1) - at(i, j + 1));
-    return below + v * (above - below);
-}
-
-double StopPicture::At(Vec2d p) const {
-    const Vec2d c = Cells(p);
-    if (!sharp_) return static_cast<double>(Bilinear(levels_.front(), c.x, c.y, 0.0F));
-    const bool lit = Bilinear(distance_, c.x, c.y, static_cast<float>(kBand)) < 0.0F;
-    const Plane& shade = lit ? light_shade_ : dark_shade_;
-    if (shade.side == 0) return lit ? 1.0 : 0.0;
-    return static_cast<double>(Bilinear(shade, c.x, c.y, 0.0F));
-}
-
-StopPicture::Range StopPicture::Over(double x0, double y0, double x1, double y1) const {
-    const int side = levels_.front().side;
-    const auto cell = [&](double mm) {
-        const double at = std::floor((mm + half_width_) * per_cell_);
-        return static_cast<int>(std::clamp(at, -1.0, static_cast<double>(side)));
-    };
-    int i0 = cell(x0), i1 = cell(x1), j0 = cell(y0), j1 = cell(y1);
+    int i0 = cell(from.x), i1 = cell(to.x), j0 = cell(from.y), j1 = cell(to.y);
+    if (i1 < 0 || j1 < 0 || i0 >= side || j0 >= side) return {0.0F, 0.0F};
     const bool beyond = i0 < 0 || j0 < 0 || i1 >= side || j1 >= side;
     Range range{beyond ? 0.0F : 1e30F, 0.0F};
-    if (i1 < 0 || j1 < 0 || i0 >= side || j0 >= side) return {0.0F, 0.0F};
     i0 = std::max(i0, 0);
     j0 = std::max(j0, 0);
     i1 = std::min(i1, side - 1);
     j1 = std::min(j1, side - 1);
     std::size_t level = 0;
-    while (level + 1 < lo_.size() && std::max(i1 - i0, j1 - j0) >= 4) {
+    while (level + 1 < lo.size() && std::max(i1 - i0, j1 - j0) >= 4) {
         i0 /= 2;
         j0 /= 2;
         i1 /= 2;
@@ -277,11 +345,27 @@ StopPicture::Range StopPicture::Over(double x0, double y0, double x1, double y1)
     }
     for (int j = j0; j <= j1; ++j) {
         for (int i = i0; i <= i1; ++i) {
-            range.lo = std::min(range.lo, lo_[level].values[At2(i, j, lo_[level].side)]);
-            range.hi = std::max(range.hi, hi_[level].values[At2(i, j, hi_[level].side)]);
+            range.lo = std::min(range.lo, lo[level].values[At2(i, j, lo[level].side)]);
+            range.hi = std::max(range.hi, hi[level].values[At2(i, j, hi[level].side)]);
         }
     }
     return range;
+}
+
+StopPicture::Range StopPicture::Over(double x0, double y0, double x1, double y1) const {
+    const Vec2d middle = InCells({0.5 * (x0 + x1), 0.5 * (y0 + y1)});
+    const Vec2d half(0.5 * (x1 - x0), 0.5 * (y1 - y0));
+    // Around the turned box.
+    const Vec2d reach(std::abs(across_.x) * half.x + std::abs(across_.y) * half.y,
+                      std::abs(up_.x) * half.x + std::abs(up_.y) * half.y);
+    return cells_->Over(middle - reach, middle + reach);
+}
+
+double StopPicture::At(Vec2d mm) const {
+    const Vec2d p = InCells(mm);
+    if (!cells_->sharp) return static_cast<double>(Bilinear(cells_->levels.front(), p, 0.0F));
+    const bool lit = cells_->DistanceAt(p) < 0.0;
+    return cells_->ShadeAt(lit ? cells_->light_shade : cells_->dark_shade, p, lit ? 1.0 : 0.0);
 }
 
 double StopPicture::Mean(const StopFootprint& footprint) const {
@@ -294,74 +378,43 @@ double StopPicture::Mean(const StopFootprint& footprint) const {
     if (least > kPartsALevel) level = static_cast<int>(std::log2(least / kPartsALevel)) + 1;
     if (most > kMostParts)
         level = std::max(level, static_cast<int>(std::ceil(std::log2(most / kMostParts))));
-    level = std::min(level, static_cast<int>(levels_.size()) - 1);
+    level = std::min(level, static_cast<int>(cells_->levels.size()) - 1);
     const double size = std::exp2(-level);
-    const int n = PartsOf(right * size);
-    const int m = PartsOf(down * size);
-    const int s = PartsOf(smear * size);
-    if (sharp_ && level == 0) return SharpMean(footprint, n, m, s);
-    return LevelMean(footprint, level, n, m, s);
+    Parts parts;
+    parts.across = PartsOf(right * size);
+    parts.along = PartsOf(down * size);
+    parts.deep = PartsOf(smear * size);
+    parts.middle = InCells(footprint.middle) * size;
+    parts.right = Turned(footprint.right) * (size / parts.across);
+    parts.down = Turned(footprint.down) * (size / parts.along);
+    parts.smear = Turned(footprint.smear) * (size / parts.deep);
+    if (cells_->sharp && level == 0)
+        return parts.Mean([&](const Vec2d& p) { return cells_->SharpAt(p, parts); });
+    const Plane& plane = cells_->levels[static_cast<std::size_t>(level)];
+    return parts.Mean(
+        [&](const Vec2d& p) { return static_cast<double>(Bilinear(plane, p, 0.0F)); });
 }
 
-double StopPicture::LevelMean(const StopFootprint& f, int level, int n, int m, int s) const {
-    const Plane& plane = levels_[static_cast<std::size_t>(level)];
-    const double size = std::exp2(-level);
-    const Vec2d middle = Cells(f.middle) * size;
-    const Vec2d r = f.right * (per_cell_ * size / n);
-    const Vec2d d = f.down * (per_cell_ * size / m);
-    const Vec2d e = f.smear * (per_cell_ * size / s);
-    double sum = 0.0;
-    for (int k = 0; k < s; ++k) {
-        for (int j = 0; j < m; ++j) {
-            for (int i = 0; i < n; ++i) {
-                const Vec2d p = middle + r * (i - 0.5 * (n - 1)) + d * (j - 0.5 * (m - 1)) +
-                                e * (k - 0.5 * (s - 1));
-                sum += static_cast<double>(Bilinear(plane, p.x, p.y, 0.0F));
-            }
-        }
+// The mean over a part around p: as if the nearest edge were straight.
+double StopPicture::Cells::SharpAt(const Vec2d& p, const Parts& parts) const {
+    const double reach = 0.5 * (parts.right.length() + parts.down.length() + parts.smear.length());
+    const double at = DistanceAt(p);
+    double cover = at < 0.0 ? 1.0 : 0.0;
+    if (std::abs(at) < reach) {
+        // The edge's normal, over about a cell.
+        const Vec2d slope(DistanceAt(p + Vec2d(0.5, 0.0)) - DistanceAt(p - Vec2d(0.5, 0.0)),
+                          DistanceAt(p + Vec2d(0.0, 0.5)) - DistanceAt(p - Vec2d(0.0, 0.5)));
+        const double steep = slope.length();
+        const Vec2d normal = steep > 0.3 ? slope / steep : Vec2d(0.7, 0.7);
+        const double width =
+            std::hypot(std::abs(normal.dot(parts.right)) + std::abs(normal.dot(parts.down)),
+                       normal.dot(parts.smear));
+        cover = std::clamp(0.5 - at / std::max(width, 1e-12), 0.0, 1.0);
     }
-    return sum / (static_cast<double>(n) * m * s);
-}
-
-double StopPicture::SharpMean(const StopFootprint& f, int n, int m, int s) const {
-    const Vec2d middle = Cells(f.middle);
-    const Vec2d r = f.right * (per_cell_ / n);
-    const Vec2d d = f.down * (per_cell_ / m);
-    const Vec2d e = f.smear * (per_cell_ / s);
-    constexpr auto kFar = static_cast<float>(kBand);
-    const auto distance = [&](const Vec2d& p) {
-        return static_cast<double>(Bilinear(distance_, p.x, p.y, kFar));
-    };
-    const auto shade = [](const Plane& plane, const Vec2d& p, double otherwise) {
-        return plane.side == 0 ? otherwise : static_cast<double>(Bilinear(plane, p.x, p.y, 0.0F));
-    };
-    const double reach = 0.5 * (r.length() + d.length() + e.length());
     double sum = 0.0;
-    for (int k = 0; k < s; ++k) {
-        for (int j = 0; j < m; ++j) {
-            for (int i = 0; i < n; ++i) {
-                const Vec2d p = middle + r * (i - 0.5 * (n - 1)) + d * (j - 0.5 * (m - 1)) +
-                                e * (k - 0.5 * (s - 1));
-                const double at = distance(p);
-                double cover = at < 0.0 ? 1.0 : 0.0;
-                if (std::abs(at) < reach) {
-                    // The edge's normal, over about a cell.
-                    const Vec2d slope(
-                        distance(p + Vec2d(0.5, 0.0)) - distance(p - Vec2d(0.5, 0.0)),
-                        distance(p + Vec2d(0.0, 0.5)) - distance(p - Vec2d(0.0, 0.5)));
-                    const double steep = slope.length();
-                    const Vec2d normal = steep > 0.3 ? slope / steep : Vec2d(0.7, 0.7);
-                    const double width = std::hypot(
-                        std::abs(normal.dot(r)) + std::abs(normal.dot(d)), normal.dot(e));
-                    cover = std::clamp(0.5 - at / std::max(width, 1e-12), 0.0, 1.0);
-                }
-                if (cover > 0.0) sum += cover * shade(light_shade_, p, 1.0);
-                if (cover < 1.0 && dark_shade_.side > 0)
-                    sum += (1.0 - cover) * shade(dark_shade_, p, 0.0);
-            }
-        }
-    }
-    return sum / (static_cast<double>(n) * m * s);
+    if (cover > 0.0) sum += cover * ShadeAt(light_shade, p, 1.0);
+    if (cover < 1.0 && dark_shade.side > 0) sum += (1.0 - cover) * ShadeAt(dark_shade, p, 0.0);
+    return sum;
 }
 
 }  // namespace flare

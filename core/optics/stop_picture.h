@@ -42,9 +42,12 @@ struct StopFootprint {
 
 class StopPicture {
   public:
-    // Values must be finite and >= 0, one a cell.
+    // Values must be finite and >= 0, one a cell. Takes a second or so for 2048 x 2048 cells.
     static std::shared_ptr<const StopPicture> Smooth(StopGrid grid);
     static std::shared_ptr<const StopPicture> Sharp(StopGrid grid);
+
+    // The same picture in another size, turned anticlockwise about the centre; shares the cells.
+    std::shared_ptr<const StopPicture> Placed(double half_width_mm, double turn_rad) const;
 
     // At a point.
     double At(Vec2d p) const;
@@ -66,40 +69,24 @@ class StopPicture {
     double outer_radius() const { return outer_radius_; }
     // Exactly 1 nearer to the centre than this; may be 0.
     double clear_radius() const { return clear_radius_; }
-    double cell_mm() const { return cell_; }
+    double half_width_mm() const { return half_width_; }
+    double cell_mm() const { return 1.0 / per_cell_; }
     // The edges of a sharp picture: closed loops, anticlockwise around light and clockwise around
     // holes, the last point joined to the first.
-    const std::vector<std::vector<Vec2d>>& outlines() const { return outlines_; }
+    std::vector<std::vector<Vec2d>> Outlines() const;
 
   private:
-    StopPicture(StopGrid grid, bool sharp);
+    struct Cells;
+    StopPicture(std::shared_ptr<const Cells> cells, double half_width_mm, double turn_rad);
 
-    struct Plane {
-        int side = 0;
-        std::vector<float> values;
-    };
-    // By cells of a level, beyond the grid `outside`.
-    static float Bilinear(const Plane& plane, double x, double y, float outside);
+    // Points and lengths in cells; points from the grid's lower left corner.
+    Vec2d Turned(Vec2d mm) const { return {mm.dot(across_), mm.dot(up_)}; }
+    Vec2d InCells(Vec2d mm) const { return Turned(mm) + middle_; }
 
-    void FindEdges();
-    void FindShades(const std::vector<float>& values);
-    void MakeLevels();
-    void MakeRanges();
-    void MeasureRadii();
-    double SharpMean(const StopFootprint& footprint, int n, int m, int s) const;
-    double LevelMean(const StopFootprint& footprint, int level, int n, int m, int s) const;
-    // In cells of level 0, from the lower left corner.
-    Vec2d Cells(Vec2d p) const {
-        return {(p.x + half_width_) * per_cell_, (p.y + half_width_) * per_cell_};
-    }
-
-    double half_width_, cell_, per_cell_;
-    bool sharp_;
-    std::vector<Plane> levels_;       // means over 2^level cells a side
-    std::vector<Plane> lo_, hi_;      // of what interpolation may give in each cell
-    Plane distance_;                  // sharp: to the nearest edge in cells, negative in the light
-    Plane light_shade_, dark_shade_;  // on both sides of edges; empty: 1 and 0
-    std::vector<std::vector<Vec2d>> outlines_;
+    std::shared_ptr<const Cells> cells_;
+    double half_width_, per_cell_;
+    Vec2d across_, up_;  // cells a mm, along the grid's rows and columns
+    Vec2d middle_;       // of the grid, in cells
     double area_mm2_ = 0.0, outer_radius_ = 0.0, clear_radius_ = 0.0;
 };
 

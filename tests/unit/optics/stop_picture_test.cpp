@@ -54,19 +54,19 @@ TEST(StopPicture, AreasOfStarRingAndSlitAreTheirClosedForms) {
     const auto star = StopPicture::Sharp(Drawn(128, 10.0, InStar));
     const double star_area = 10.0 * 0.5 * 8.0 * 3.2 * std::sin(0.2 * kPi);
     EXPECT_NEAR(star->area_mm2(), star_area, 1e-3 * star_area);
-    EXPECT_NEAR(LoopArea(star->outlines()), star_area, 3e-3 * star_area);
+    EXPECT_NEAR(LoopArea(star->Outlines()), star_area, 3e-3 * star_area);
 
     const auto ring = StopPicture::Sharp(Drawn(128, 10.0, [](Vec2d p) {
         return p.length() < 7.0 && (p - Vec2d(1.0, 2.0)).length() > 3.0;
     }));
     EXPECT_NEAR(ring->area_mm2(), 40.0 * kPi, 1e-3 * 40.0 * kPi);
-    EXPECT_NEAR(LoopArea(ring->outlines()), 40.0 * kPi, 1e-3 * 40.0 * kPi);
-    EXPECT_EQ(ring->outlines().size(), 2U);
+    EXPECT_NEAR(LoopArea(ring->Outlines()), 40.0 * kPi, 1e-3 * 40.0 * kPi);
+    EXPECT_EQ(ring->Outlines().size(), 2U);
 
     const auto slit = StopPicture::Sharp(
         Drawn(64, 8.0, [](Vec2d p) { return std::abs(p.x) < 0.25 && std::abs(p.y) < 6.0; }));
     EXPECT_NEAR(slit->area_mm2(), 6.0, 1e-6);
-    EXPECT_NEAR(LoopArea(slit->outlines()), 6.0, 0.1);
+    EXPECT_NEAR(LoopArea(slit->Outlines()), 6.0, 0.1);
 }
 
 TEST(StopPicture, EdgesLieWhereTheyWereDrawnHoweverFarMagnified) {
@@ -165,6 +165,26 @@ TEST(StopPicture, RowsGoUp) {
     EXPECT_EQ(picture->At({1.5, -1.5}), 2.5);
     EXPECT_EQ(picture->At({-1.5, -1.5}), 0.0);
     EXPECT_EQ(picture->At({1.5, 1.5}), 0.0);
+}
+
+// Turned and resized it is the same picture.
+TEST(StopPicture, PlacedIsTurnedAnticlockwiseAndScaled) {
+    const auto star = StopPicture::Sharp(Drawn(64, 10.0, InStar));
+    const double turn = 0.3;
+    const auto placed = star->Placed(5.0, turn);
+    EXPECT_NEAR(placed->area_mm2(), 0.25 * star->area_mm2(), 1e-9 * star->area_mm2());
+    EXPECT_NEAR(placed->outer_radius(), 0.5 * star->outer_radius(), 1e-12);
+    EXPECT_NEAR(LoopArea(placed->Outlines()), 0.25 * LoopArea(star->Outlines()), 1e-9);
+    for (int n = 0; n < 400; ++n) {
+        const Vec2d p(0.9 * (n % 20 - 9.7), 0.9 * (n / 20 - 9.7));
+        const Vec2d q = Vec2d(p.x * std::cos(turn) - p.y * std::sin(turn),
+                              p.x * std::sin(turn) + p.y * std::cos(turn)) *
+                        0.5;
+        EXPECT_EQ(star->At(p), placed->At(q));
+        const StopPicture::Range range = placed->Over(q.x, q.y, q.x, q.y);
+        EXPECT_GE(placed->At(q), static_cast<double>(range.lo));
+        EXPECT_LE(placed->At(q), static_cast<double>(range.hi));
+    }
 }
 
 // Two cells that touch at a corner are apart, two others joined by the light beside them.
