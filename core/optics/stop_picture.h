@@ -40,6 +40,15 @@ struct StopFootprint {
     Vec2d smear{0.0, 0.0};
 };
 
+// Bounds of a transmission.
+struct StopRange {
+    float lo = 0.0F, hi = 0.0F;
+    bool dark() const { return hi <= 0.0F; }
+    bool clear() const { return lo == 1.0F && hi == 1.0F; }
+};
+
+struct StopCells;
+
 class StopPicture {
   public:
     // Values must be finite and >= 0, one a cell. Takes a second or so for 2048 x 2048 cells.
@@ -56,12 +65,7 @@ class StopPicture {
 
     // Bounds of what At gives within a box, and Mean for footprints that lie in it with a third of
     // their size to spare; not tight.
-    struct Range {
-        float lo = 0.0F, hi = 0.0F;
-        bool dark() const { return hi <= 0.0F; }
-        bool clear() const { return lo == 1.0F && hi == 1.0F; }
-    };
-    Range Over(double x0, double y0, double x1, double y1) const;
+    StopRange Over(double x0, double y0, double x1, double y1) const;
 
     // The integral of the transmission, exactly that of the values.
     double area_mm2() const { return area_mm2_; }
@@ -76,14 +80,13 @@ class StopPicture {
     std::vector<std::vector<Vec2d>> Outlines() const;
 
   private:
-    struct Cells;
-    StopPicture(std::shared_ptr<const Cells> cells, double half_width_mm, double turn_rad);
+    StopPicture(std::shared_ptr<const StopCells> cells, double half_width_mm, double turn_rad);
 
     // Points and lengths in cells; points from the grid's lower left corner.
     Vec2d Turned(Vec2d mm) const { return {mm.dot(across_), mm.dot(up_)}; }
     Vec2d InCells(Vec2d mm) const { return Turned(mm) + middle_; }
 
-    std::shared_ptr<const Cells> cells_;
+    std::shared_ptr<const StopCells> cells_;
     double half_width_, per_cell_;
     Vec2d across_, up_;  // cells a mm, along the grid's rows and columns
     Vec2d middle_;       // of the grid, in cells

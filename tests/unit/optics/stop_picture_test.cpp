@@ -120,7 +120,7 @@ TEST(StopPicture, RangesHoldEveryMean) {
     for (int n = 0; n < 2000; ++n) {
         const Vec2d lo(22.0 * random() - 11.0, 22.0 * random() - 11.0);
         const Vec2d size(4.0 * random(), 4.0 * random());
-        const StopPicture::Range range = star->Over(lo.x, lo.y, lo.x + size.x, lo.y + size.y);
+        const StopRange range = star->Over(lo.x, lo.y, lo.x + size.x, lo.y + size.y);
         const Vec2d pixel = size * (0.5 * random());
         const Vec2d middle =
             lo + pixel * 0.5 + Vec2d((size.x - pixel.x) * random(), (size.y - pixel.y) * random());
@@ -181,7 +181,7 @@ TEST(StopPicture, PlacedIsTurnedAnticlockwiseAndScaled) {
                               p.x * std::sin(turn) + p.y * std::cos(turn)) *
                         0.5;
         EXPECT_EQ(star->At(p), placed->At(q));
-        const StopPicture::Range range = placed->Over(q.x, q.y, q.x, q.y);
+        const StopRange range = placed->Over(q.x, q.y, q.x, q.y);
         EXPECT_GE(placed->At(q), static_cast<double>(range.lo));
         EXPECT_LE(placed->At(q), static_cast<double>(range.hi));
     }
