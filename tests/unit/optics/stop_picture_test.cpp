@@ -8,38 +8,13 @@
 
 #include "core/base/units.h"
 #include "core/optics/stop_outline.h"
+#include "tests/support/stop_masks.h"
 
 namespace flare {
 namespace {
 
-// A shape drawn by 8 x 8 points a cell.
-template <class Inside>
-StopGrid Drawn(int side, double half_width_mm, Inside inside) {
-    StopGrid grid{side, half_width_mm, {}};
-    constexpr int kPoints = 8;
-    for (int j = 0; j < side; ++j) {
-        for (int i = 0; i < side; ++i) {
-            int hits = 0;
-            for (int k = 0; k < kPoints * kPoints; ++k) {
-                const double x = i + (k % kPoints + 0.5) / kPoints;
-                const double y = j + (k / kPoints + 0.5) / kPoints;
-                const double cell = grid.cell_mm();
-                hits += inside(Vec2d(x * cell - half_width_mm, y * cell - half_width_mm)) ? 1 : 0;
-            }
-            grid.values.push_back(static_cast<float>(hits) / (kPoints * kPoints));
-        }
-    }
-    return grid;
-}
-
-bool InStar(Vec2d p) {  // of five points, radii 8 and 3.2 mm, a point at +y
-    const double turn = std::fmod(std::atan2(p.x, p.y) + 10.0 * kPi, 0.4 * kPi);
-    const double angle = std::min(turn, 0.4 * kPi - turn);
-    const Vec2d q(p.length() * std::cos(angle), p.length() * std::sin(angle));
-    const Vec2d tip(8.0, 0.0);
-    const Vec2d inner(3.2 * std::cos(0.2 * kPi), 3.2 * std::sin(0.2 * kPi));
-    return (inner - tip).cross(q - tip) > 0.0;
-}
+using testing::Drawn;
+using testing::InStar;
 
 double LoopArea(const std::vector<std::vector<Vec2d>>& loops) {
     double twice = 0.0;
