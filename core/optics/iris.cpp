@@ -76,7 +76,8 @@ Iris::Iris(const IrisShape& shape, double opening_semi_diameter_mm, double rim_s
     }
     edges_inner_radius_ = inner_radius_;
     if (!shape.mask) return;
-    picture_ = shape.mask->Placed(rim, RadiansFromDegrees(shape.rotation_deg));
+    picture_ = shape.mask->Placed(rim * shape.mask->half_width_mm(),
+                                  RadiansFromDegrees(shape.rotation_deg));
     outer_radius_ = std::min(outer_radius_, picture_->outer_radius());
     inner_radius_ = std::min(inner_radius_, picture_->clear_radius());
 }

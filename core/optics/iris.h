@@ -29,7 +29,7 @@ namespace flare {
 
 enum class MaskScale {
     kArea,  // the f-number's, in place of blades
-    kStop,  // the picture's width is the rim's diameter; blades and f-number as without
+    kStop,  // the rim's, and blades and f-number cut as without a mask
 };
 
 struct IrisShape {
@@ -38,8 +38,8 @@ struct IrisShape {
     double rotation_deg = 0.0;  // of blades and mask
     double irregularity = 0.0;  // 0..1
     std::uint64_t seed = 0;     // of the irregular blades
-    std::shared_ptr<const StopPicture> mask =
-        nullptr;  // some light must pass; its size does not matter
+    // Some light must pass. For kStop in units of the rim's radius, for kArea of any size.
+    std::shared_ptr<const StopPicture> mask = nullptr;
     MaskScale mask_scale = MaskScale::kArea;
 
     friend bool operator==(const IrisShape&, const IrisShape&) = default;

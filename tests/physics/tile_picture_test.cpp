@@ -16,6 +16,7 @@
 #include "core/render/tile_picture.h"
 #include "tests/support/lenses.h"
 #include "tests/support/seed_lens.h"
+#include "tests/support/stop_masks.h"
 
 namespace flare {
 namespace {
@@ -158,6 +159,24 @@ std::vector<Scene> Scenes() {
     scenes.push_back({"tronnier-color-heliar-100mm-f3_5", 4.0, 5.6, {}});
     scenes.push_back({"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}});
     scenes.push_back({"canon-zoom-70-200mm-f2_8", 3.0, 4.0, {9, 0.6, 0.0}});
+    // Masks: a star, and a disc with a hole off its middle, shaded on one side.
+    Scene star{testing::kSeedName, 5.0, 4.0, {}};
+    star.iris.mask = StopPicture::Sharp(testing::Drawn(160, 10.0, testing::InStar));
+    star.iris.rotation_deg = 9.0;
+    star.most_l1 = 0.012;
+    star.most_energy = 1e-3;
+    scenes.push_back(star);
+    StopGrid hole = testing::Drawn(120, 10.0, [](Vec2d p) {
+        return p.length() < 8.0 && (p - Vec2d(2.0, 1.0)).length() > 2.0;
+    });
+    for (std::size_t n = 0; n < hole.values.size(); ++n) {
+        if (n % 120 < 60) hole.values[n] *= 0.6F;
+    }
+    Scene shaded{testing::kSeedName, 9.0, 5.6, {}};
+    shaded.iris.mask = StopPicture::Sharp(std::move(hole));
+    shaded.most_l1 = 0.012;
+    shaded.most_energy = 1e-3;
+    scenes.push_back(shaded);
     return scenes;
 }
 

@@ -128,7 +128,12 @@ BODIES = [
     (changed(color_space="acescg"), 400, "unsupported", "/color_space"),
     (changed(quality={"max_error": 0.02}), 400, "unsupported", "/quality/max_error"),
     (changed(quality={"time_budget_ms": 40}), 400, "unsupported", "/quality/time_budget_ms"),
-    (changed(iris={"mask": "x"}), 400, "unsupported", "/iris/mask"),
+    # A daemon opens no file that a client names; masks come inside, and whole.
+    (changed(iris={"mask": "/etc/passwd"}), 400, "bad_value", "/iris/mask"),
+    (changed(iris={"mask": {"file": "a.png"}}), 400, "bad_value", "/iris/mask"),
+    (changed(iris={"mask": {"png_base64": "AAAA"}}), 400, "bad_image", "/iris/mask/png_base64"),
+    (changed(iris={"mask": {"png_base64": "A" * (9 << 20)}}), 400, "limit",
+     "/iris/mask/png_base64"),
     (with_light(direction=[0, 0, 1], temperature_k=3200), 400, "unsupported",
      "/lights/0/temperature_k"),
     (with_light(direction=[0, 0, 1], angular_diameter_deg=0.5), 400, "unsupported",
