@@ -47,6 +47,8 @@ struct GhostWalk::Work {
     int cuts_u = 1, cuts_v = 1, dead_corner = -1;
     double cell_area = 0.0;
     CellSurface mask_nets;  // of the middle wavelength
+    static constexpr std::size_t kMostDepth = 10;
+    std::array<std::vector<CornerValues>, kMostDepth> part_values;
     PieceClip clip;
     std::vector<double> light;
 
@@ -222,7 +224,7 @@ struct GhostWalk::Work {
         }
         if (hi.x < window.x0 || lo.x > window.x1 || hi.y < window.y0 || lo.y > window.y1) return;
         if (iris.picture() != nullptr && fields.size() > 2) {
-            PicturedPiece(b, i, j, px, sink);
+            PicturedPiece(b, i, j, px, window, sink);
             return;
         }
         clip.Start(px);
@@ -239,26 +241,34 @@ struct GhostWalk::Work {
     // its fields at the corners.
     struct Part {
         double a = 0.0, b = 0.0, side = 1.0;
-        std::vector<CornerValues> values;
+        int depth = 0;
+        std::span<const CornerValues> values;
     };
 
     // A piece that the iris's picture may cut, in parts that are wholly clear, wholly dark or too
     // small to tell.
-    void PicturedPiece(std::size_t b, int i, int j, const CornerPoints& px, PieceSink& sink) {
-        Part whole;
-        whole.values.resize(fields.size());
+    void PicturedPiece(std::size_t b, int i, int j, const CornerPoints& px,
+                       const WalkWindow& window, PieceSink& sink) {
+        std::vector<CornerValues>& values = part_values[0];
+        values.resize(fields.size());
         for (std::size_t n = 0; n < fields.size(); ++n) {
             for (int k = 0; k < 4; ++k)
-                whole.values[n][static_cast<std::size_t>(k)] = Value(sheets[b], i, k, n);
+                values[n][static_cast<std::size_t>(k)] = Value(sheets[b], i, k, n);
         }
+        Part whole;
+        whole.values = values;
         const double length = std::max({(px[1] - px[0]).length(), (px[2] - px[3]).length(),
                                         (px[3] - px[0]).length(), (px[2] - px[1]).length()});
-        AddPart(b, i, j, whole, length, sink);
+        AddPart(b, i, j, whole, length, window, sink);
     }
 
-    void AddPart(std::size_t b, int i, int j, const Part& part, double length_px, PieceSink& sink) {
+    void AddPart(std::size_t b, int i, int j, const Part& part, double length_px,
+                 const WalkWindow& window, PieceSink& sink) {
         constexpr double kSmallest_px = 0.35;
         constexpr float kEven = 0.01F;
+        const auto [x0, x1] = std::minmax_element(part.values[0].begin(), part.values[0].end());
+        const auto [y0, y1] = std::minmax_element(part.values[1].begin(), part.values[1].end());
+        if (*x1 < window.x0 || *x0 > window.x1 || *y1 < window.y0 || *y0 > window.y1) return;
         double passes = 1.0;
         bool even = true;
         ForEachCrossing(part, [&](const StopCorners& at) {
@@ -268,9 +278,9 @@ struct GhostWalk::Work {
             even = even && range.hi - range.lo <= kEven * range.hi;
         });
         if (passes == 0.0) return;
-        if (!even && length_px > kSmallest_px) {
+        if (!even && length_px > kSmallest_px && part.depth + 1 < static_cast<int>(kMostDepth)) {
             for (int quarter = 0; quarter < 4; ++quarter)
-                AddPart(b, i, j, Quarter(part, quarter), 0.5 * length_px, sink);
+                AddPart(b, i, j, Quarter(part, quarter), 0.5 * length_px, window, sink);
             return;
         }
         ForEachCrossing(part,
@@ -304,21 +314,25 @@ struct GhostWalk::Work {
         }
     }
 
-    static Part Quarter(const Part& whole, int quarter) {
+    // Its values stand until the next one of that depth.
+    Part Quarter(const Part& whole, int quarter) {
         Part part;
+        part.depth = whole.depth + 1;
         part.side = 0.5 * whole.side;
         part.a = whole.a + part.side * (quarter % 2);
         part.b = whole.b + part.side * (quarter / 2);
-        part.values.resize(whole.values.size());
+        std::vector<CornerValues>& values = part_values[static_cast<std::size_t>(part.depth)];
+        values.resize(whole.values.size());
         for (std::size_t k = 0; k < 4; ++k) {
             const double u = 0.5 * (quarter % 2 + (k == 1 || k == 2 ? 1 : 0));
             const double v = 0.5 * (quarter / 2 + (k >= 2 ? 1 : 0));
             for (std::size_t n = 0; n < whole.values.size(); ++n) {
                 const CornerValues& at = whole.values[n];
-                part.values[n][k] = (1.0 - v) * ((1.0 - u) * at[0] + u * at[1]) +
-                                    v * ((1.0 - u) * at[3] + u * at[2]);
+                values[n][k] = (1.0 - v) * ((1.0 - u) * at[0] + u * at[1]) +
+                               v * ((1.0 - u) * at[3] + u * at[2]);
             }
         }
+        part.values = values;
         return part;
     }
 

@@ -13,6 +13,8 @@
 #include <cstring>
 #include <string>
 
+#include "core/base/check.h"
+
 namespace flare {
 namespace {
 
@@ -118,6 +120,28 @@ Result<MaskImage> DecodeMaskPng(std::string_view bytes, int most_side) {
         mask.values.push_back(std::max(0.0F, grey) * sample(3));
     }
     return mask;
+}
+
+std::string EncodeMaskPng(const MaskImage& mask) {
+    std::vector<std::uint16_t> samples;
+    samples.reserve(mask.values.size());
+    for (const float value : mask.values) {
+        const float cut = value > 0.0F ? std::min(value, 1.0F) : 0.0F;  // not a number: dark
+        samples.push_back(static_cast<std::uint16_t>(cut * 65535.0F + 0.5F));
+    }
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(mask.width);
+    image.height = static_cast<png_uint_32>(mask.height);
+    image.format = PNG_FORMAT_LINEAR_Y;
+    png_alloc_size_t size = 0;
+    bool written = png_image_write_get_memory_size(image, size, 0, samples.data(), 0, nullptr) != 0;
+    std::string bytes(size, '\0');
+    written = written && png_image_write_to_memory(&image, bytes.data(), &size, 0, samples.data(),
+                                                   0, nullptr) != 0;
+    FLARE_CHECK(written);
+    bytes.resize(size);
+    return bytes;
 }
 
 }  // namespace flare

@@ -5,6 +5,7 @@
 // the grey of an antialiased edge says how much of the pixel is covered. Safe from any thread.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,5 +21,8 @@ struct MaskImage {
 // Sides above `most_side` are refused ("limit") before anything is decoded; what is no PNG, or a
 // broken one, is "bad_image".
 Result<MaskImage> DecodeMaskPng(std::string_view bytes, int most_side);
+
+// A grey PNG of 16 bits that DecodeMaskPng reads back; values outside 0..1 are cut off.
+std::string EncodeMaskPng(const MaskImage& mask);
 
 }  // namespace flare

@@ -5,10 +5,14 @@
 // to its neighbours: it is smeared by as much as they lie apart.
 #include "core/image/tile_pass.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace flare {
 namespace {
+
+constexpr int kBlock = 4;  // pixels that are looked at together first
 
 // A place at the stop as a function of a place in the tile, pixels.
 struct StopPlane {
@@ -40,14 +44,32 @@ StopPlane Mixed(const StopPlane* traced, const float* weights) {
 
 void Multiply(const StopPicture& picture, const StopPlane& plane, Vec2d smear, int size,
               float* pass) {
-    for (int j = 0; j < size; ++j) {
-        for (int i = 0; i < size; ++i) {
-            float& value = pass[j * kLargestEdgeTile + i];
-            if (value == 0.0F) continue;
-            const double x = i + 0.5;
-            const double y = j + 0.5;
-            value *= static_cast<float>(picture.Mean({plane(x, y), plane.per_x + plane.twist * y,
-                                                      plane.per_y + plane.twist * x, smear}));
+    // Pixels are about as large all over the tile.
+    const double middle = 0.5 * size;
+    const StopSampler sampler(picture, plane.per_x + plane.twist * middle,
+                              plane.per_y + plane.twist * middle, smear);
+    const double room_x = std::abs(smear.x);
+    const double room_y = std::abs(smear.y);
+    for (int y = 0; y < size; y += kBlock) {
+        for (int x = 0; x < size; x += kBlock) {
+            Vec2d lo = plane(x - 1.0, y - 1.0);
+            Vec2d hi = lo;
+            for (int corner = 1; corner < 4; ++corner) {
+                const Vec2d p = plane(x - 1.0 + (kBlock + 2.0) * (corner % 2),
+                                      y - 1.0 + (kBlock + 2.0) * (corner / 2));
+                lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+                hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+            }
+            const StopRange range =
+                picture.Over(lo.x - room_x, lo.y - room_y, hi.x + room_x, hi.y + room_y);
+            if (range.clear()) continue;
+            for (int n = 0; n < kBlock * kBlock; ++n) {
+                const int i = x + n % kBlock;
+                const int j = y + n / kBlock;
+                float& value = pass[j * kLargestEdgeTile + i];
+                if (range.dark()) value = 0.0F;
+                if (value != 0.0F) value *= static_cast<float>(sampler.At(plane(i + 0.5, j + 0.5)));
+            }
         }
     }
 }

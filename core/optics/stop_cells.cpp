@@ -28,17 +28,25 @@ double DistanceToSegment(Vec2d p, Vec2d a, Vec2d b) {
 }  // namespace
 
 float Bilinear(const StopPlane& plane, const Vec2d& p, float outside) {
-    const double fx = std::floor(p.x - 0.5);
-    const double fy = std::floor(p.y - 0.5);
-    const double last = plane.side;
-    if (!(fx >= -1.0 && fy >= -1.0 && fx < last && fy < last)) return outside;
-    const int i = static_cast<int>(fx);
-    const int j = static_cast<int>(fy);
-    const auto u = static_cast<float>(p.x - 0.5 - fx);
-    const auto v = static_cast<float>(p.y - 0.5 - fy);
+    const double x = p.x - 0.5;
+    const double y = p.y - 0.5;
+    const int side = plane.side;
+    if (!(x >= -1.0 && y >= -1.0 && x < side && y < side)) return outside;
+    // Downwards: both are at least -1.
+    const int i = static_cast<int>(x + 1.0) - 1;
+    const int j = static_cast<int>(y + 1.0) - 1;
+    const auto u = static_cast<float>(x - i);
+    const auto v = static_cast<float>(y - j);
+    if (i >= 0 && j >= 0 && i + 1 < side && j + 1 < side) {
+        const float* const at = &plane.values[At2(i, j, side)];
+        const float* const next = at + side;
+        const float below = at[0] + u * (at[1] - at[0]);
+        const float above = next[0] + u * (next[1] - next[0]);
+        return below + v * (above - below);
+    }
     const auto at = [&](int a, int b) {
-        if (a < 0 || b < 0 || a >= plane.side || b >= plane.side) return outside;
-        return plane.values[At2(a, b, plane.side)];
+        if (a < 0 || b < 0 || a >= side || b >= side) return outside;
+        return plane.values[At2(a, b, side)];
     };
     const float below = at(i, j) + u * (at(i + 1, j) - at(i, j));
     const float above = at(i, j + 1) + u * (at(i + 1, j + 1) - at(i, j + 1));

@@ -22,26 +22,6 @@ int PartsOf(double length) {
     return static_cast<int>(std::ceil(std::clamp(length, 1.0, static_cast<double>(kMostParts))));
 }
 
-// Parts of a footprint, in cells of a level: right, down and smear are each cut into some.
-struct Parts {
-    Vec2d middle, right, down, smear;  // of one part, but for the middle
-    int across = 1, along = 1, deep = 1;
-
-    template <class Value>
-    double Mean(Value value) const {
-        double sum = 0.0;
-        for (int k = 0; k < deep; ++k) {
-            for (int j = 0; j < along; ++j) {
-                for (int i = 0; i < across; ++i) {
-                    sum += value(middle + right * (i - 0.5 * (across - 1)) +
-                                 down * (j - 0.5 * (along - 1)) + smear * (k - 0.5 * (deep - 1)));
-                }
-            }
-        }
-        return sum / (static_cast<double>(across) * along * deep);
-    }
-};
-
 }  // namespace
 
 std::shared_ptr<const StopPicture> StopPicture::Smooth(StopGrid grid) {
@@ -103,33 +83,75 @@ double StopPicture::At(Vec2d mm) const {
 }
 
 double StopPicture::Mean(const StopFootprint& footprint) const {
-    const double right = footprint.right.length() * per_cell_;
-    const double down = footprint.down.length() * per_cell_;
-    const double smear = footprint.smear.length() * per_cell_;
-    const double least = std::min(right, down);
-    const double most = std::max({right, down, smear});
-    if (!(most < 1e9)) return 0.0;
+    return StopSampler(*this, footprint.right, footprint.down, footprint.smear)
+        .At(footprint.middle);
+}
+
+StopSampler::StopSampler(const StopPicture& picture, Vec2d right, Vec2d down, Vec2d smear)
+    : picture_(picture), cells_(*picture.cells_) {
+    right_ = picture.Turned(right);
+    down_ = picture.Turned(down);
+    smear_ = picture.Turned(smear);
+    const double across = right_.length();
+    const double along = down_.length();
+    const double deep = smear_.length();
+    const double least = std::min(across, along);
+    const double most = std::max({across, along, deep});
+    dark_ = !(most < 1e9);
+    if (dark_) return;
+    reach_ = 0.5 * (across + along + deep);
     int level = 0;
     if (least > kPartsALevel) level = static_cast<int>(std::log2(least / kPartsALevel)) + 1;
     if (most > kMostParts)
         level = std::max(level, static_cast<int>(std::ceil(std::log2(most / kMostParts))));
-    level = std::min(level, static_cast<int>(cells_->levels.size()) - 1);
-    const double size = std::exp2(-level);
-    Parts parts;
-    parts.across = PartsOf(right * size);
-    parts.along = PartsOf(down * size);
-    parts.deep = PartsOf(smear * size);
-    parts.middle = InCells(footprint.middle) * size;
-    parts.right = Turned(footprint.right) * (size / parts.across);
-    parts.down = Turned(footprint.down) * (size / parts.along);
-    parts.smear = Turned(footprint.smear) * (size / parts.deep);
-    if (cells_->sharp && level == 0)
-        return parts.Mean([&](const Vec2d& p) {
-            return cells_->SharpAt(p, parts.right, parts.down, parts.smear);
-        });
-    const StopPlane& plane = cells_->levels[static_cast<std::size_t>(level)];
-    return parts.Mean(
-        [&](const Vec2d& p) { return static_cast<double>(Bilinear(plane, p, 0.0F)); });
+    level_ = std::min(static_cast<std::size_t>(level), cells_.levels.size() - 1);
+    size_ = std::exp2(-static_cast<double>(level_));
+    across_ = PartsOf(across * size_);
+    along_ = PartsOf(along * size_);
+    deep_ = PartsOf(deep * size_);
+    right_ *= size_ / across_;
+    down_ *= size_ / along_;
+    smear_ *= size_ / deep_;
+}
+
+double StopSampler::At(Vec2d middle) const {
+    if (dark_) return 0.0;
+    const Vec2d at = picture_.InCells(middle) * size_;
+    if (cells_.sharp && level_ == 0) {
+        // Distances grow by no more than the way gone.
+        const double distance = cells_.DistanceAt(at);
+        if (distance >= reach_ && cells_.dark_shade.side == 0) return 0.0;
+        if (-distance >= reach_ && cells_.light_shade.side == 0) return 1.0;
+        return SharpMean(at);
+    }
+    const StopPlane& plane = cells_.levels[level_];
+    if (across_ * along_ * deep_ == 1) return static_cast<double>(Bilinear(plane, at, 0.0F));
+    double sum = 0.0;
+    for (int k = 0; k < deep_; ++k) {
+        for (int j = 0; j < along_; ++j) {
+            for (int i = 0; i < across_; ++i) {
+                const Vec2d p = at + right_ * (i - 0.5 * (across_ - 1)) +
+                                down_ * (j - 0.5 * (along_ - 1)) + smear_ * (k - 0.5 * (deep_ - 1));
+                sum += static_cast<double>(Bilinear(plane, p, 0.0F));
+            }
+        }
+    }
+    return sum / (static_cast<double>(across_) * along_ * deep_);
+}
+
+double StopSampler::SharpMean(Vec2d middle) const {
+    double sum = 0.0;
+    for (int k = 0; k < deep_; ++k) {
+        for (int j = 0; j < along_; ++j) {
+            for (int i = 0; i < across_; ++i) {
+                sum += cells_.SharpAt(middle + right_ * (i - 0.5 * (across_ - 1)) +
+                                          down_ * (j - 0.5 * (along_ - 1)) +
+                                          smear_ * (k - 0.5 * (deep_ - 1)),
+                                      right_, down_, smear_);
+            }
+        }
+    }
+    return sum / (static_cast<double>(across_) * along_ * deep_);
 }
 
 }  // namespace flare

@@ -17,6 +17,7 @@
 // shades).
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -48,6 +49,27 @@ struct StopRange {
 };
 
 struct StopCells;
+class StopPicture;
+
+// Means over footprints of one size, wherever they lie: what does not depend on the place is found
+// once. The picture must outlive it.
+class StopSampler {
+  public:
+    StopSampler(const StopPicture& picture, Vec2d right, Vec2d down, Vec2d smear);
+    double At(Vec2d middle) const;
+
+  private:
+    double SharpMean(Vec2d middle) const;
+
+    const StopPicture& picture_;
+    const StopCells& cells_;
+    bool dark_ = false;  // without bounds
+    std::size_t level_ = 0;
+    double size_ = 1.0;                      // of a cell of level 0, in cells of the level
+    Vec2d right_, down_, smear_;             // of one part, in cells of the level
+    int across_ = 1, along_ = 1, deep_ = 1;  // parts
+    double reach_ = 0.0;                     // of the whole, cells
+};
 
 class StopPicture {
   public:
@@ -80,6 +102,7 @@ class StopPicture {
     std::vector<std::vector<Vec2d>> Outlines() const;
 
   private:
+    friend class StopSampler;
     StopPicture(std::shared_ptr<const StopCells> cells, double half_width_mm, double turn_rad);
 
     // Points and lengths in cells; points from the grid's lower left corner.

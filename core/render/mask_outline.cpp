@@ -12,8 +12,8 @@ namespace flare {
 namespace {
 
 constexpr double kStraight = 0.1;  // cells
-// Sides shorter than this between longer ones are corners that the cells have rounded.
-constexpr double kRounded = 2.0, kLong = 4.0;
+// So short a stretch between sides that are long is a corner that the cells have rounded, cells.
+constexpr double kRounded = 4.0, kLong = 4.0;
 constexpr double kCorner_rad = 20.0 * kPi / 180.0;
 constexpr int kSidesAcross = 24;  // of the picture: longer sides are cut, since they bend
 
@@ -77,33 +77,35 @@ Loop Straightened(const Loop& loop, double tolerance) {
     return out;
 }
 
-// Puts the corner back where two long sides meet in a short one.
+// Puts the corner back where two long sides meet in a few short ones.
 Loop Sharpened(const Loop& loop, double cell) {
     const std::size_t n = loop.size();
-    if (n < 4) return loop;
-    std::vector<bool> drop(n, false);
-    Loop out = loop;
+    const auto at = [&](std::size_t k) { return loop[k % n]; };
+    std::vector<std::size_t> longs;  // sides, by their first points
     for (std::size_t k = 0; k < n; ++k) {
-        const Vec2d& before = loop[(k + n - 1) % n];
-        const Vec2d& a = loop[k];
-        const Vec2d& b = loop[(k + 1) % n];
-        const Vec2d& after = loop[(k + 2) % n];
-        const Vec2d p = a - before;
-        const Vec2d q = after - b;
-        if ((b - a).length() > kRounded * cell || p.length() < kLong * cell ||
-            q.length() < kLong * cell || std::abs(Turn(p, q)) < kCorner_rad) {
+        if ((at(k + 1) - at(k)).length() >= kLong * cell) longs.push_back(k);
+    }
+    if (longs.size() < 2) return loop;
+    Loop out;
+    for (std::size_t c = 0; c < longs.size(); ++c) {
+        // Points a ... b lie between two long sides.
+        const std::size_t a = longs[c] + 1;
+        const std::size_t b = c + 1 < longs.size() ? longs[c + 1] : longs[0] + n;
+        double length = 0.0;
+        for (std::size_t k = a; k < b; ++k) length += (at(k + 1) - at(k)).length();
+        const Vec2d p = at(a) - at(a - 1);
+        const Vec2d q = at(b + 1) - at(b);
+        const bool rounded =
+            b > a && length <= kRounded * cell && std::abs(Turn(p, q)) > kCorner_rad;
+        const Vec2d corner =
+            rounded ? at(a) + p * ((at(b) - at(a)).cross(q) / p.cross(q)) : Vec2d(0.0, 0.0);
+        if (rounded && (corner - at(a)).length() < 2.0 * kRounded * cell) {
+            out.push_back(corner);
             continue;
         }
-        const Vec2d corner = before + p * ((b - before).cross(q) / p.cross(q));
-        if ((corner - a).length() > 3.0 * kRounded * cell) continue;
-        out[k] = corner;
-        drop[(k + 1) % n] = true;
+        for (std::size_t k = a; k <= b; ++k) out.push_back(at(k));
     }
-    Loop kept;
-    for (std::size_t k = 0; k < n; ++k) {
-        if (!drop[k]) kept.push_back(out[k]);
-    }
-    return kept;
+    return out;
 }
 
 Loop CutUp(const Loop& loop, double longest) {

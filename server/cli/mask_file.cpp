@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include "core/image/exr.h"
+#include "core/image/mask_image.h"
 #include "protocol/codec/base64.h"
 #include "protocol/codec/json_document.h"
 #include "protocol/codec/json_writer.h"
@@ -75,6 +77,32 @@ class Rewriter {
     wire::JsonWriter json_{wire::JsonWriter::Style::kCompact};
 };
 
+// An EXR as the PNG that takes its place: of Y, of the luminance of R, G and B, or of its first
+// channel.
+Result<std::string> PngOfExr(const std::string& bytes) {
+    const Result<FlareImage> image = DecodeExr(bytes);
+    if (!image) return image.error();
+    const auto named = [&](std::string_view name) -> const ImagePlane* {
+        for (const ImagePlane& plane : image->planes) {
+            if (plane.name == name) return &plane;
+        }
+        return nullptr;
+    };
+    const ImagePlane* const r = named("R");
+    const ImagePlane* const g = named("G");
+    const ImagePlane* const b = named("B");
+    const ImagePlane* const y = named("Y");
+    const ImagePlane& grey = y ? *y : image->planes.front();
+    MaskImage mask{image->data.width, image->data.height, {}};
+    for (std::size_t n = 0; n < image->data.pixels(); ++n) {
+        const bool colour = !y && r && g && b;
+        mask.values.push_back(colour ? 0.2126F * r->values[n] + 0.7152F * g->values[n] +
+                                           0.0722F * b->values[n]
+                                     : grey.values[n]);
+    }
+    return EncodeMaskPng(mask);
+}
+
 }  // namespace
 
 Result<std::string> WithMaskInside(const std::string& body, const std::string& request) {
@@ -90,7 +118,8 @@ Result<std::string> WithMaskInside(const std::string& body, const std::string& r
     std::filesystem::path path(std::string(file->string()));
     if (path.is_relative() && request != "-")
         path = std::filesystem::path(request).parent_path() / path;
-    const Result<std::string> image = ReadInput(path.string());
+    Result<std::string> image = ReadInput(path.string());
+    if (image && path.extension() == ".exr") image = PngOfExr(*image);
     if (!image) {
         Error error = image.error();
         error.where = file->Pointer();

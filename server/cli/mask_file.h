@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A request may name its iris's mask as a file, "iris": {"mask": "heart.png"} or {"mask": {"file":
-// "heart.png", ...}}: relative to the request's own folder. The client puts the image itself in its
-// place, since a daemon opens no files that a client names.
+// "heart.png", ...}}: a PNG or an EXR, relative to the request's own folder. The client puts the
+// image itself in its place, an EXR as a PNG of 16 bits, since a daemon opens no files that a
+// client names.
 #pragma once
 
 #include <string>

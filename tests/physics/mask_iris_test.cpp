@@ -324,5 +324,31 @@ TEST(MaskIris, StarburstHoldsTheLightOfTheMasksArea) {
     EXPECT_NEAR(studio.Shoot(request).report.facts.starburst->flux_mm2, round, 0.01 * round);
 }
 
+// A star of five points on the axis: its pattern repeats every 36 degrees, far out as well.
+TEST(MaskIris, StarburstOfAStarHasTenEqualSectors) {
+    testing::Studio studio;
+    FlareRequest request = Asked(8.0);
+    request.image.width = request.image.height = 301;
+    request.image.sensor_width_mm = 12.0;
+    request.layers = {false, true};
+    request.lights = {testing::LightAt(0.0)};
+    request.iris.mask = StopPicture::Sharp(Drawn(160, 10.0, InStar));
+    const Rendering rendering = studio.Shoot(request);
+    const ImagePlane& plane = testing::PlaneNamed(rendering.image, "starburst.S0.587,5618nm");
+    std::array<double, 10> sectors{};
+    for (int y = 0; y < 301; ++y) {
+        for (int x = 0; x < 301; ++x) {
+            const Vec2d p(x - 150, 150 - y);
+            if (p.length() < 40.0 || p.length() > 148.0) continue;
+            const double turns = std::atan2(p.x, p.y) / (2.0 * kPi) + 1.05;
+            sectors[static_cast<std::size_t>(turns * 10.0) % 10] +=
+                static_cast<double>(plane.values[static_cast<std::size_t>(y * 301 + x)]);
+        }
+    }
+    const auto [least, most] = std::minmax_element(sectors.begin(), sectors.end());
+    std::printf("sectors of the star's pattern: %.4f of the brightest at least\n", *least / *most);
+    EXPECT_GT(*least, 0.9 * *most);
+}
+
 }  // namespace
 }  // namespace flare

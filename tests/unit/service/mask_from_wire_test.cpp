@@ -68,6 +68,14 @@ TEST(MaskImage, ReadsEveryKindOfPngWithoutGamma) {
     EXPECT_NEAR(colour[1], 0.2126F, 1e-6F);
 }
 
+TEST(MaskImage, ReadsBackWhatItWrites) {
+    const MaskImage mask{2, 2, {0.0F, 1.0F, 13107.0F / 65535.0F, 2.0F}};
+    const Result<MaskImage> read = DecodeMaskPng(EncodeMaskPng(mask), limits::kMaskSide);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->width, 2);
+    EXPECT_EQ(read->values, (std::vector<float>{0.0F, 1.0F, 0.2F, 1.0F}));
+}
+
 TEST(MaskImage, RefusesWhatIsBrokenOrTooLarge) {
     const std::string whole = Bytes(kGrey8);
     for (std::size_t size = 0; size < whole.size(); ++size) {
