@@ -264,7 +264,7 @@ struct GhostWalk::Work {
 
     void AddPart(std::size_t b, int i, int j, const Part& part, double length_px,
                  const WalkWindow& window, PieceSink& sink) {
-        constexpr double kSmallest_px = 0.35;
+        constexpr double kSmallest_px = 0.5;
         constexpr float kEven = 0.01F;
         const auto [x0, x1] = std::minmax_element(part.values[0].begin(), part.values[0].end());
         const auto [y0, y1] = std::minmax_element(part.values[1].begin(), part.values[1].end());
