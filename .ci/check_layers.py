@@ -33,7 +33,7 @@ LIBRARIES = [
     ("OpenEXR", r"(OpenEXR/|Imf|Iex|IlmThread)", r"core/image/exr_(header|decode)\.cpp"),
     ("Highway", r"hwy/", r"core/tracing/trace_columns|core/mesh/passage_columns|core/image/tile_kernels"),
     ("kissfft", r"kissfft/", r"core/wave/fourier\.cpp"),
-    ("libpng", r"png\.h", r"core/image/preview\.cpp"),
+    ("libpng", r"png\.h", r"core/image/(preview|mask_image)\.cpp"),
     ("xxHash", r"xxh", r"core/base/fingerprint\.cpp"),
     ("prometheus-cpp", r"prometheus/", r"server/"),
     ("spdlog", r"(spdlog|fmt)/", r"server/"),

@@ -17,7 +17,9 @@ inline constexpr std::size_t kJsonValues = 2'000'000;  // values in one body, co
 inline constexpr std::size_t kJsonMembers = 128;       // members of one object
 inline constexpr std::size_t kJsonKeyBytes = 128;      // of a member's name
 inline constexpr std::size_t kStringBytes = 16'384;    // of any string
-inline constexpr std::size_t kNameBytes = 200;         // of the name of a lens or a coating
+inline constexpr std::size_t kMaskTextBytes = std::size_t{8} << 20;  // of a mask as base64
+inline constexpr int kMaskSide = 2'048;                              // pixels of a mask
+inline constexpr std::size_t kNameBytes = 200;  // of the name of a lens or a coating
 
 // The HTTP message around it.
 inline constexpr std::size_t kHeaderBytes = 16'384;

@@ -39,7 +39,8 @@ class CellSurvey {
         : crossings_(masks.crossings.size()),
           rims_(masks.rims.size()),
           outer_(static_cast<float>(iris.outer_radius())),
-          inner_(static_cast<float>(iris.inner_radius())),
+          inner_(static_cast<float>(iris.edges_inner_radius())),
+          picture_(iris.picture()),
           out_(out) {}
 
     void Add(FittedCell& cell) {
@@ -199,6 +200,12 @@ class CellSurvey {
             box = box.Grown(kBetween * (box.x1 - box.x0), kBetween * (box.y1 - box.y0));
             shut = shut || box.Nearest2() > outer_ * outer_;
             part.open = part.open && box.Farthest2() < inner_ * inner_;
+            if (picture_ == nullptr) continue;
+            const StopRange range =
+                picture_->Over(static_cast<double>(box.x0), static_cast<double>(box.y0),
+                               static_cast<double>(box.x1), static_cast<double>(box.y1));
+            shut = shut || range.dark();
+            part.open = part.open && range.clear();
         }
         part.shut = part.shut && shut;
     }
@@ -207,7 +214,8 @@ class CellSurvey {
     static constexpr float kBetween = 0.25F;
 
     std::size_t crossings_, rims_;
-    float outer_, inner_;  // of the iris
+    float outer_, inner_;  // of the iris's edges
+    const StopPicture* picture_;
     std::vector<FittedPart>& out_;
     NodeBlock block_;
     std::array<std::vector<Point>, kTracedInTiles> points_;

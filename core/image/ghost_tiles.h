@@ -45,9 +45,16 @@ struct EdgeTile {
     std::int16_t level = 0;
     int x = 0, y = 0;
     int straight = 0, arcs = 0;
+    int pictured = 0;  // crossings of the stop at which the iris's picture is wanted
     bool dispersed = false;
     TileCorners corners{};  // dispersed: a factor on the bands' light
-    std::size_t straight_at = 0, arcs_at = 0, bands_at = 0;  // in the lists of GhostTiles
+    // In the lists of GhostTiles.
+    std::size_t straight_at = 0, arcs_at = 0, bands_at = 0, pictured_at = 0;
+};
+
+// Where a tile's corners cross the stop, mm, at one wavelength.
+struct TileAtStop {
+    std::array<float, 4> x{}, y{};
 };
 
 struct GhostTiles {
@@ -55,6 +62,7 @@ struct GhostTiles {
     std::vector<EdgeTile> edges;
     std::vector<StraightEdge> straight_edges;
     std::vector<ArcEdge> arc_edges;
+    std::vector<TileAtStop> pictured;   // [crossing][traced wavelength, or the middle one]
     std::vector<float> band_rgb;        // [band][channel] of each dispersed tile
     std::vector<float> band_sharpness;  // [band] of each
     std::vector<float> band_weights;    // [band][traced wavelength]

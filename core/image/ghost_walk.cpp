@@ -11,10 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/image/net_shape.h"
 #include "core/image/piece_clip.h"
+#include "core/image/stop_pass.h"
 
 namespace flare {
 namespace {
@@ -47,6 +47,8 @@ struct GhostWalk::Work {
     int cuts_u = 1, cuts_v = 1, dead_corner = -1;
     double cell_area = 0.0;
     CellSurface mask_nets;  // of the middle wavelength
+    static constexpr std::size_t kMostDepth = 10;
+    std::array<std::vector<CornerValues>, kMostDepth> part_values;
     PieceClip clip;
     std::vector<double> light;
 
@@ -160,8 +162,11 @@ struct GhostWalk::Work {
                 const auto f = static_cast<std::size_t>(mesh.stop_field(static_cast<int>(c)));
                 const BezierNet& x = mask_nets.nets[f];
                 const BezierNet& y = mask_nets.nets[f + 1];
-                if (FarthestFromOrigin(RangeOf(x), RangeOf(y)) < iris.inner_radius()) continue;
-                CutForMask(ShapeOf(x, y), iris.inner_radius(), u, v);
+                const double farthest = FarthestFromOrigin(RangeOf(x), RangeOf(y));
+                if (farthest >= iris.edges_inner_radius())
+                    CutForMask(ShapeOf(x, y), iris.edges_inner_radius(), u, v);
+                if (iris.picture() != nullptr && farthest >= iris.inner_radius())
+                    CutForMask(ShapeOf(x, y), iris.outer_radius(), u, v);
             }
             // Near the rim its field is the ratio less 1.
             for (std::size_t r = 0; r < rim_cut.size(); ++r) {
@@ -218,17 +223,122 @@ struct GhostWalk::Work {
             hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
         }
         if (hi.x < window.x0 || lo.x > window.x1 || hi.y < window.y0 || lo.y > window.y1) return;
+        if (iris.picture() != nullptr && fields.size() > 2) {
+            PicturedPiece(b, i, j, px, window, sink);
+            return;
+        }
         clip.Start(px);
-        if ((fields.size() > 2 || dead_corner >= 0) && !AddMasks(sheet, i, j)) return;
+        const auto value = [&](int k, std::size_t n) { return Value(sheet, i, k, n); };
+        if ((fields.size() > 2 || dead_corner >= 0) && !AddMasks(value, i, j, {})) return;
         ++pieces;
         clip.ForEachPart([&](const PiecePart& part) {
-            SetLight(ghost.bands[b], i, j, part);
+            SetLight(ghost.bands[b], i, j, part.middle, part.share);
             sink.Add(part.px, light, static_cast<int>(b));
         });
     }
 
-    // False if a mask shuts the piece out.
-    bool AddMasks(const Sheet& sheet, int i, int j) {
+    // Part of a piece: the square at (a, b) of the given side, in the piece's own coordinates, and
+    // its fields at the corners.
+    struct Part {
+        double a = 0.0, b = 0.0, side = 1.0;
+        int depth = 0;
+        std::span<const CornerValues> values;
+    };
+
+    // A piece that the iris's picture may cut, in parts that are wholly clear, wholly dark or too
+    // small to tell.
+    void PicturedPiece(std::size_t b, int i, int j, const CornerPoints& px,
+                       const WalkWindow& window, PieceSink& sink) {
+        std::vector<CornerValues>& values = part_values[0];
+        values.resize(fields.size());
+        for (std::size_t n = 0; n < fields.size(); ++n) {
+            for (int k = 0; k < 4; ++k)
+                values[n][static_cast<std::size_t>(k)] = Value(sheets[b], i, k, n);
+        }
+        Part whole;
+        whole.values = values;
+        const double length = std::max({(px[1] - px[0]).length(), (px[2] - px[3]).length(),
+                                        (px[3] - px[0]).length(), (px[2] - px[1]).length()});
+        AddPart(b, i, j, whole, length, window, sink);
+    }
+
+    void AddPart(std::size_t b, int i, int j, const Part& part, double length_px,
+                 const WalkWindow& window, PieceSink& sink) {
+        constexpr double kSmallest_px = 0.5;
+        constexpr float kEven = 0.01F;
+        const auto [x0, x1] = std::minmax_element(part.values[0].begin(), part.values[0].end());
+        const auto [y0, y1] = std::minmax_element(part.values[1].begin(), part.values[1].end());
+        if (*x1 < window.x0 || *x0 > window.x1 || *y1 < window.y0 || *y0 > window.y1) return;
+        double passes = 1.0;
+        bool even = true;
+        ForEachCrossing(part, [&](const StopCorners& at) {
+            const StopRange range = PassRange(*iris.picture(), at);
+            if (range.dark()) passes = 0.0;
+            if (passes == 0.0 || range.clear()) return;
+            even = even && range.hi - range.lo <= kEven * range.hi;
+        });
+        if (passes == 0.0) return;
+        if (!even && length_px > kSmallest_px && part.depth + 1 < static_cast<int>(kMostDepth)) {
+            for (int quarter = 0; quarter < 4; ++quarter)
+                AddPart(b, i, j, Quarter(part, quarter), 0.5 * length_px, window, sink);
+            return;
+        }
+        ForEachCrossing(part,
+                        [&](const StopCorners& at) { passes *= PassMean(*iris.picture(), at); });
+        if (passes <= 0.0) return;
+        CornerPoints px;
+        for (std::size_t k = 0; k < 4; ++k) px[k] = {part.values[0][k], part.values[1][k]};
+        clip.Start(px);
+        const auto value = [&](int k, std::size_t n) {
+            return part.values[n][static_cast<std::size_t>(k)];
+        };
+        if (!AddMasks(value, i, j, part)) return;
+        ++pieces;
+        clip.ForEachPart([&](const PiecePart& clipped) {
+            SetLight(ghost.bands[b], i, j, Vec2d(part.a, part.b) + clipped.middle * part.side,
+                     clipped.share * part.side * part.side);
+            for (double& value_of : light) value_of *= passes;
+            sink.Add(clipped.px, light, static_cast<int>(b));
+        });
+    }
+
+    template <class Use>
+    void ForEachCrossing(const Part& part, Use use) const {
+        std::size_t n = 2;
+        for (std::size_t c = 0; c < stop_cut.size(); ++c) {
+            if (!stop_cut[c]) continue;
+            StopCorners at;
+            for (std::size_t k = 0; k < 4; ++k) at[k] = {part.values[n][k], part.values[n + 1][k]};
+            n += 2;
+            use(at);
+        }
+    }
+
+    // Its values stand until the next one of that depth.
+    Part Quarter(const Part& whole, int quarter) {
+        Part part;
+        part.depth = whole.depth + 1;
+        part.side = 0.5 * whole.side;
+        part.a = whole.a + part.side * (quarter % 2);
+        part.b = whole.b + part.side * (quarter / 2);
+        std::vector<CornerValues>& values = part_values[static_cast<std::size_t>(part.depth)];
+        values.resize(whole.values.size());
+        for (std::size_t k = 0; k < 4; ++k) {
+            const double u = 0.5 * (quarter % 2 + (k == 1 || k == 2 ? 1 : 0));
+            const double v = 0.5 * (quarter / 2 + (k >= 2 ? 1 : 0));
+            for (std::size_t n = 0; n < whole.values.size(); ++n) {
+                const CornerValues& at = whole.values[n];
+                values[n][k] = (1.0 - v) * ((1.0 - u) * at[0] + u * at[1]) +
+                               v * ((1.0 - u) * at[3] + u * at[2]);
+            }
+        }
+        part.values = values;
+        return part;
+    }
+
+    // False if a mask shuts `part` of the piece out; value(k, n) is field n at its corner k.
+    template <class At>
+    bool AddMasks(At value, int i, int j, const Part& part) {
         std::size_t n = 2;
         for (std::size_t c = 0; c < stop_cut.size(); ++c) {
             if (!stop_cut[c]) continue;
@@ -236,11 +346,11 @@ struct GhostWalk::Work {
             double farthest2 = 0.0;
             for (int k = 0; k < 4; ++k) {
                 Vec2d& q = p[static_cast<std::size_t>(k)];
-                q = {Value(sheet, i, k, n), Value(sheet, i, k, n + 1)};
+                q = {value(k, n), value(k, n + 1)};
                 farthest2 = std::max(farthest2, q.length2());
             }
             n += 2;
-            if (farthest2 <= iris.inner_radius() * iris.inner_radius()) continue;
+            if (farthest2 <= iris.edges_inner_radius() * iris.edges_inner_radius()) continue;
             for (int edge = 0; edge < iris.edge_count(); ++edge) {
                 CornerValues values;
                 for (std::size_t k = 0; k < 4; ++k) values[k] = iris.EdgeDistance(edge, p[k]);
@@ -251,21 +361,21 @@ struct GhostWalk::Work {
             if (!rim_cut[r]) continue;
             CornerValues values;
             for (int k = 0; k < 4; ++k) {
-                const double q = std::clamp(Value(sheet, i, k, n), -1.0, 1.0 - 1e-9);
+                const double q = std::clamp(value(k, n), -1.0, 1.0 - 1e-9);
                 values[static_cast<std::size_t>(k)] = std::sqrt((1.0 + q) / (1.0 - q)) - 1.0;
             }
             ++n;
             if (!clip.AddMask(values)) return false;
         }
-        return dead_corner < 0 || clip.AddMask(TriangleEdge(i, j));
+        return dead_corner < 0 || clip.AddMask(TriangleEdge(i + part.a, j + part.b, part.side));
     }
 
     // The line through the two corners next to the dead one: positive on its side.
-    CornerValues TriangleEdge(int i, int j) const {
+    CornerValues TriangleEdge(double i, double j, double side) const {
         CornerValues values;
         for (int k = 0; k < 4; ++k) {
-            double a = static_cast<double>(i + (k == 1 || k == 2 ? 1 : 0)) / cuts_u;
-            double b = static_cast<double>(j + (k >= 2 ? 1 : 0)) / cuts_v;
+            double a = (i + (k == 1 || k == 2 ? side : 0.0)) / cuts_u;
+            double b = (j + (k >= 2 ? side : 0.0)) / cuts_v;
             if (dead_corner % 2 == 1) a = 1.0 - a;
             if (dead_corner / 2 == 1) b = 1.0 - b;
             values[static_cast<std::size_t>(k)] = 1.0 - a - b;
@@ -273,16 +383,16 @@ struct GhostWalk::Work {
         return values;
     }
 
-    // The light on a part of piece (i, j): bilinear in the cell's lattice, at the part's middle.
-    void SetLight(const GhostLight::Band& band, int i, int j, const PiecePart& part) {
+    // The light on a share of piece (i, j): bilinear in the cell's lattice, at the share's middle.
+    void SetLight(const GhostLight::Band& band, int i, int j, Vec2d middle, double share) {
         const int m = cell->light_cuts;
-        const double a = m * (i + part.middle.x) / cuts_u;
-        const double b = m * (j + part.middle.y) / cuts_v;
+        const double a = m * (i + middle.x) / cuts_u;
+        const double b = m * (j + middle.y) / cuts_v;
         const int la = std::min(static_cast<int>(a), m - 1);
         const int lb = std::min(static_cast<int>(b), m - 1);
         const double fa = a - la;
         const double fb = b - lb;
-        const double area = cell_area * part.share / (static_cast<double>(cuts_u) * cuts_v);
+        const double area = cell_area * share / (static_cast<double>(cuts_u) * cuts_v);
         const std::size_t channels = light.size();
         const std::size_t row = static_cast<std::size_t>(m + 1) * channels;
         const double* const at = &band.light[cell->light_at + static_cast<std::size_t>(lb) * row +
@@ -307,94 +417,6 @@ void GhostWalk::Cell(const GhostLight::Cell& cell, const WalkWindow& window, Pie
 
 std::uint64_t GhostWalk::pieces() const {
     return work_->pieces;
-}
-
-namespace {
-
-// One field over a cell at several wavelengths, in single precision as the mesh is.
-class FieldRanges {
-  public:
-    FieldRanges(const GhostSurface& surface, const CellPlace& cell,
-                const std::vector<std::vector<double>>& node_weights)
-        : surface_(surface), cell_(cell), weights_(node_weights), jets_(node_weights.size()) {}
-
-    // At each wavelength.
-    const std::vector<CellJets>& Jets(std::size_t field) {
-        for (CellJets& jets : jets_) jets = {};
-        const std::size_t nodes = surface_.mesh().grids.front().nodes.size();
-        CellJets traced;
-        for (std::size_t k = 0; k < nodes; ++k) {
-            surface_.Jets(cell_, k, field, traced);
-            for (std::size_t w = 0; w < weights_.size(); ++w) {
-                const auto share = static_cast<float>(weights_[w][k]);
-                for (std::size_t corner = 0; corner < 4; ++corner) {
-                    for (std::size_t d = 0; d < 4; ++d)
-                        jets_[w][corner][d] += share * traced[corner][d];
-                }
-            }
-        }
-        return jets_;
-    }
-
-  private:
-    const GhostSurface& surface_;
-    const CellPlace& cell_;
-    const std::vector<std::vector<double>>& weights_;
-    std::vector<CellJets> jets_;
-};
-
-}  // namespace
-
-CellBounds BoundCell(const GhostSurface& surface,
-                     const std::vector<std::vector<double>>& node_weights, const CellPlace& cell,
-                     const Iris& iris, const PictureMap& map) {
-    // Between the wavelengths that are looked at masks may move by a little.
-    constexpr double kOpenMargin = 1e-3;
-    CellBounds bounds;
-    const GhostMesh& mesh = surface.mesh();
-    if (surface.FarOutsideStop(cell, iris.outer_radius())) return bounds;
-    bounds.open = surface.UseOf(cell) != CellUse::kTriangle;
-    bounds.x0 = bounds.y0 = std::numeric_limits<double>::infinity();
-    bounds.x1 = bounds.y1 = -bounds.x0;
-    FieldRanges ranges(surface, cell, node_weights);
-    const std::size_t count = node_weights.size();
-    std::vector<bool> shut(count, false);
-    for (int c = 0; c < mesh.stop_crossings; ++c) {
-        // A box in canonical coordinates; the distance from the axis is the same in the camera's.
-        const auto f = static_cast<std::size_t>(mesh.stop_field(c));
-        const std::vector<CellJets> xs = ranges.Jets(f);
-        const std::vector<CellJets>& ys = ranges.Jets(f + 1);
-        for (std::size_t w = 0; w < count; ++w) {
-            const NetRange x = RangeOf(xs[w]);
-            const NetRange y = RangeOf(ys[w]);
-            shut[w] = shut[w] || NearestToOrigin(x, y) > iris.outer_radius();
-            bounds.open =
-                bounds.open && FarthestFromOrigin(x, y) < iris.inner_radius() * (1.0 - kOpenMargin);
-        }
-    }
-    for (int r = 0; r < static_cast<int>(mesh.rims.size()); ++r) {
-        const std::vector<CellJets>& rims =
-            ranges.Jets(static_cast<std::size_t>(mesh.rim_field(r)));
-        for (std::size_t w = 0; w < count; ++w) {
-            const NetRange rim = RangeOf(rims[w]);
-            shut[w] = shut[w] || rim.lo > 0.0;
-            bounds.open = bounds.open && rim.hi < -kOpenMargin;
-        }
-    }
-    // Also where it is shut: a wavelength in between may pass.
-    std::vector<CellJets> xs = ranges.Jets(0);
-    std::vector<CellJets> ys = ranges.Jets(1);
-    for (std::size_t w = 0; w < count; ++w) {
-        MapNets(xs[w], ys[w], map.px_per_x, map.px_per_y, map.offset_px);
-        const NetRange x = RangeOf(xs[w]);
-        const NetRange y = RangeOf(ys[w]);
-        bounds.x0 = std::min(bounds.x0, x.lo);
-        bounds.x1 = std::max(bounds.x1, x.hi);
-        bounds.y0 = std::min(bounds.y0, y.lo);
-        bounds.y1 = std::max(bounds.y1, y.hi);
-        bounds.passes = bounds.passes || !shut[w];
-    }
-    return bounds;
 }
 
 }  // namespace flare

@@ -115,15 +115,4 @@ class GhostWalk {
     std::unique_ptr<Work> work_;
 };
 
-// Where a cell may lie on the picture at the given wavelengths, whether the masks let any of it
-// pass, and whether they are open to all of it.
-struct CellBounds {
-    bool passes = false;
-    bool open = true;
-    double y0 = 0.0, y1 = 0.0, x0 = 0.0, x1 = 0.0;
-};
-CellBounds BoundCell(const GhostSurface& surface,
-                     const std::vector<std::vector<double>>& node_weights, const CellPlace& cell,
-                     const Iris& iris, const PictureMap& map);
-
 }  // namespace flare

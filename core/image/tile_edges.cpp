@@ -94,15 +94,40 @@ bool TileEdges::AddIris(std::size_t c, const TileLevel::Sheet& sheet,
     return true;
 }
 
+// The iris's picture at crossing c, unless it is clear all over the tile; false if it is dark.
+bool TileEdges::AddPicture(std::size_t c, const TileLevel::Sheet& sheet,
+                           const std::array<std::size_t, 4>& corners) {
+    if (iris_.picture() == nullptr) return true;
+    std::array<TileAtStop, kTraced> at;
+    PixelBox box;
+    for (std::size_t k = 0; k < kTraced; ++k) {
+        for (std::size_t n = 0; n < 4; ++n) {
+            const float x = at[k].x[n] = Field(sheet, corners[n], k, 2 * c);
+            const float y = at[k].y[n] = Field(sheet, corners[n], k, 2 * c + 1);
+            box.Join({x, y, x, y});
+        }
+    }
+    // For drawn wavelengths beyond the traced ones, and what pixels at the tile's sides look at.
+    const float room = 0.1F + 0.5F / static_cast<float>(size_);
+    box = box.Grown(room * (box.x1 - box.x0), room * (box.y1 - box.y0));
+    const StopRange range =
+        iris_.picture()->Over(static_cast<double>(box.x0), static_cast<double>(box.y0),
+                              static_cast<double>(box.x1), static_cast<double>(box.y1));
+    if (range.dark()) return false;
+    if (!range.clear()) pictured_.push_back(at);
+    return true;
+}
+
 TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::Sheet& sheet,
                                    const std::array<std::size_t, 4>& corners,
                                    const TileColour& scale, bool cut) {
     size_ = TileSize(level);
     straight_.clear();
     arcs_.clear();
+    pictured_.clear();
     const std::size_t crossings = masks_.crossings.size();
     for (std::size_t c = 0; c < crossings && cut; ++c) {
-        if (!AddIris(c, sheet, corners)) return Outcome::kShut;
+        if (!AddIris(c, sheet, corners) || !AddPicture(c, sheet, corners)) return Outcome::kShut;
     }
     // The nearest edge is not all that covers a pixel in which many blades meet.
     constexpr std::size_t kMostBlades = 4;
@@ -116,15 +141,14 @@ TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::She
         };
         if (!AddStraight(at)) return Outcome::kShut;
     }
-    if (size_ > kLargestEdgeTile && !(straight_.empty() && arcs_.empty()))
-        return Outcome::kTooLarge;
+    if (size_ > kLargestEdgeTile && !whole()) return Outcome::kTooLarge;
     constexpr std::size_t kMost = kTileEdges;
     if (straight_.size() > kMost || arcs_.size() > kMost) return Outcome::kTooMany;
     TileCorners light{};
     for (std::size_t n = 0; n < 4; ++n) {
         for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale[c] * sheet.rgb[3 * corners[n] + c];
     }
-    if (straight_.empty() && arcs_.empty()) {
+    if (whole()) {
         Rescale(light);
         out_.smooth.push_back({static_cast<std::int16_t>(level), x, y, light});
         return Outcome::kAdded;
@@ -141,9 +165,11 @@ void TileEdges::EmitEdge(int l, int x, int y, const TileLevel::Sheet& sheet,
     tile.y = y;
     tile.straight = static_cast<int>(straight_.size());
     tile.arcs = static_cast<int>(arcs_.size());
+    tile.pictured = static_cast<int>(pictured_.size());
     tile.corners = light;
     tile.straight_at = out_.straight_edges.size();
     tile.arcs_at = out_.arc_edges.size();
+    tile.pictured_at = out_.pictured.size();
     tile.bands_at = out_.band_sharpness.size();
     tile.dispersed = Disperses();
     const std::size_t first = tile.dispersed ? 0 : kTraced / 2;
@@ -154,6 +180,9 @@ void TileEdges::EmitEdge(int l, int x, int y, const TileLevel::Sheet& sheet,
                 {{edge[k].at[0], edge[k].at[1], edge[k].at[2], edge[k].at[3]}});
         }
         for (const auto& arc : arcs_) out_.arc_edges.push_back(arc[k]);
+    }
+    for (const auto& crossing : pictured_) {
+        for (std::size_t k = first; k < end; ++k) out_.pictured.push_back(crossing[k]);
     }
     if (tile.dispersed) AddBands(tile, sheet, corners);
     Rescale(tile.corners);
@@ -179,6 +208,18 @@ bool TileEdges::Disperses() const {
                 const float mm = std::hypot(arc[1].per_x_x, arc[1].per_x_y);
                 if (std::max(dx, dy) > kTogether_px * mm) return true;
             }
+        }
+    }
+    for (const auto& crossing : pictured_) {
+        const TileAtStop& first = crossing[0];
+        const TileAtStop& last = crossing[kTraced - 1];
+        const auto size = static_cast<float>(size_);
+        const float mm = std::min(std::hypot(first.x[1] - first.x[0], first.y[1] - first.y[0]),
+                                  std::hypot(first.x[2] - first.x[0], first.y[2] - first.y[0])) /
+                         size;
+        for (std::size_t n = 0; n < 4; ++n) {
+            const float apart = std::hypot(first.x[n] - last.x[n], first.y[n] - last.y[n]);
+            if (apart > kTogether_px * mm) return true;
         }
     }
     for (const auto& edge : straight_) {

@@ -54,6 +54,9 @@ class TileEdges {
                 const std::array<std::size_t, 4>& corners);
     bool AddIris(std::size_t c, const TileLevel::Sheet& sheet,
                  const std::array<std::size_t, 4>& corners);
+    bool AddPicture(std::size_t c, const TileLevel::Sheet& sheet,
+                    const std::array<std::size_t, 4>& corners);
+    bool whole() const { return straight_.empty() && arcs_.empty() && pictured_.empty(); }
     void EmitEdge(int level, int x, int y, const TileLevel::Sheet& sheet,
                   const std::array<std::size_t, 4>& corners, const TileCorners& light);
     void Rescale(TileCorners& light) const;
@@ -72,6 +75,7 @@ class TileEdges {
     int size_ = 0;  // of the tile at hand
     std::vector<std::array<Scalar, kTraced>> straight_;
     std::vector<std::array<ArcEdge, kTraced>> arcs_;
+    std::vector<std::array<TileAtStop, kTraced>> pictured_;
 };
 
 }  // namespace flare

@@ -219,6 +219,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
         const float j = static_cast<float>(row) + 0.5F;
         for (int column = 0; column < size; column += lanes) {
             const Floats i = hn::Add(hn::Iota(tag, static_cast<float>(column)), half);
+            const int at = row * kLargestEdgeTile + column;
             Floats over[kTracedInTiles];
             for (int k = 0; k < traced; ++k) {
                 over[k] = Constant(-1e6F);
@@ -231,17 +232,21 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
             }
             Floats rgb[3] = {zero, zero, zero};
             if (tile.bands == 0) {
-                const Floats cover = hn::Min(hn::Max(hn::Sub(half, over[0]), zero), one);
+                Floats cover = hn::Min(hn::Max(hn::Sub(half, over[0]), zero), one);
+                if (tile.pass != nullptr) cover = hn::Mul(cover, hn::LoadU(tag, tile.pass + at));
                 for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(cover, RowOf(light[c], j, i));
             } else {
                 for (int b = 0; b < tile.bands; ++b) {
                     const float* const w = tile.band_weights + b * kTracedInTiles;
                     const Floats sharp = Constant(tile.band_sharpness[b]);
-                    const Floats at = hn::MulAdd(
+                    const Floats edge = hn::MulAdd(
                         Constant(w[0]), over[0],
                         hn::MulAdd(Constant(w[1]), over[1], hn::Mul(Constant(w[2]), over[2])));
-                    const Floats cover =
-                        hn::Min(hn::Max(hn::NegMulAdd(at, sharp, half), zero), one);
+                    Floats cover = hn::Min(hn::Max(hn::NegMulAdd(edge, sharp, half), zero), one);
+                    if (tile.pass != nullptr) {
+                        const float* const pass = tile.pass + b * kTilePixels;
+                        cover = hn::Mul(cover, hn::LoadU(tag, pass + at));
+                    }
                     const float* const share = tile.band_rgb + b * 3;
                     for (int c = 0; c < 3; ++c)
                         rgb[c] = hn::MulAdd(cover, Constant(share[c]), rgb[c]);
@@ -249,7 +254,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
                 for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(rgb[c], RowOf(light[c], j, i));
             }
             for (int c = 0; c < 3; ++c) {
-                hn::StoreU(rgb[c], tag, out.rgb[c] + row * kLargestEdgeTile + column);
+                hn::StoreU(rgb[c], tag, out.rgb[c] + at);
             }
         }
     }

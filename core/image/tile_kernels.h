@@ -15,6 +15,7 @@ inline constexpr int kTileNodes = 64;    // places solved in one call, a multipl
 inline constexpr int kTileFields = 40;   // most mask fields of a ghost
 inline constexpr int kLargestTile = 64;  // pixels along a side
 inline constexpr int kLargestEdgeTile = 16;
+inline constexpr int kTilePixels = kLargestEdgeTile * kLargestEdgeTile;
 inline constexpr int kTracedInTiles = 3;  // wavelengths
 inline constexpr int kTileEdges = 12;     // most straight edges in a tile, and most arcs
 
@@ -83,11 +84,13 @@ struct EdgeShade {
     const float* band_weights = nullptr;    // [band][kTracedInTiles]
     const float* band_sharpness = nullptr;  // [band]: 1 over the width of its edge, px
     // `light` is then a factor on band_rgb.
+    // What a picture of the stop lets pass, null: all; laid out as TilePixels, for each band.
+    const float* pass = nullptr;
 };
 
 // Light per pixel of an edge tile, rows of kLargestEdgeTile.
 struct TilePixels {
-    alignas(64) float rgb[3][kLargestEdgeTile * kLargestEdgeTile];
+    alignas(64) float rgb[3][kTilePixels];
 };
 void ShadeEdge(const EdgeShade& tile, TilePixels& out);
 

@@ -349,7 +349,7 @@ bool TileSolver::Passes(std::size_t n) const {
     for (std::size_t f = 0; f < crossings; f += 2) {
         const Vec2d p(static_cast<double>(block_.fields[f][n]),
                       static_cast<double>(block_.fields[f + 1][n]));
-        if (iris_.Distance(p) > 0.0) return false;
+        if (iris_.TransmissionAt(p) <= 0.0) return false;
     }
     return true;
 }

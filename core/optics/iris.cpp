@@ -31,20 +31,58 @@ UnitShape ShapeOf(int blades, double roundness) {
     return {apothem, sagitta, arc_radius, area};
 }
 
+// A number in -1..1 (SplitMix64).
+double Share(std::uint64_t seed, std::uint64_t index) {
+    std::uint64_t z = seed + (index + 1) * 0x9E3779B97F4A7C15ULL;
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
+    z ^= z >> 31;
+    return static_cast<double>(z >> 11) * 0x1.0p-52 - 1.0;
+}
+
+// At full irregularity: of a blade's distance, and of half the angle between blades.
+constexpr double kOffsetVaries = 0.15;
+constexpr double kAngleVaries = 1.0 / 3.0;
+
 }  // namespace
 
 Iris::Iris(const IrisShape& shape, double opening_semi_diameter_mm, double rim_semi_diameter_mm) {
     FLARE_CHECK(opening_semi_diameter_mm > 0.0 && rim_semi_diameter_mm > 0.0);
     const double rim = rim_semi_diameter_mm;
     const Edge rim_edge{{0.0, 0.0}, 0.0, {0.0, 0.0}, rim};
+    if (shape.mask && shape.mask_scale == MaskScale::kArea) {
+        SetMask(shape, opening_semi_diameter_mm, rim);
+        return;
+    }
     if (shape.blades == 0) {
         const double radius = std::min(opening_semi_diameter_mm, rim);
         edges_.push_back({{0.0, 0.0}, 0.0, {0.0, 0.0}, radius});
         outer_radius_ = inner_radius_ = radius;
         area_mm2_ = kPi * radius * radius;
-        return;
+    } else {
+        FLARE_CHECK(shape.blades >= 3);
+        if (shape.irregularity > 0.0) {
+            SetIrregularBlades(shape, opening_semi_diameter_mm);
+        } else {
+            SetBlades(shape, opening_semi_diameter_mm);
+        }
+        const bool rim_cuts = outer_radius_ > rim;
+        outer_radius_ = std::min(outer_radius_, rim);
+        inner_radius_ = std::min(inner_radius_, rim);
+        if (rim_cuts) {
+            edges_.push_back(rim_edge);
+            rim_cuts_ = true;
+        }
     }
-    FLARE_CHECK(shape.blades >= 3);
+    edges_inner_radius_ = inner_radius_;
+    if (!shape.mask) return;
+    picture_ = shape.mask->Placed(rim * shape.mask->half_width_mm(),
+                                  RadiansFromDegrees(shape.rotation_deg));
+    outer_radius_ = std::min(outer_radius_, picture_->outer_radius());
+    inner_radius_ = std::min(inner_radius_, picture_->clear_radius());
+}
+
+void Iris::SetBlades(const IrisShape& shape, double opening_semi_diameter_mm) {
     const UnitShape unit = ShapeOf(shape.blades, std::clamp(shape.roundness, 0.0, 1.0));
     const double circumradius = opening_semi_diameter_mm * std::sqrt(kPi / unit.area);
     for (int k = 0; k < shape.blades; ++k) {
@@ -61,32 +99,107 @@ Iris::Iris(const IrisShape& shape, double opening_semi_diameter_mm, double rim_s
         }
         edges_.push_back(edge);
     }
-    outer_radius_ = std::min(circumradius, rim);
-    inner_radius_ = std::min(circumradius * (unit.apothem + unit.sagitta), rim);
+    outer_radius_ = circumradius;
+    inner_radius_ = circumradius * (unit.apothem + unit.sagitta);
     area_mm2_ = circumradius * circumradius * unit.area;
-    if (circumradius <= rim) return;
-
-    edges_.push_back(rim_edge);
-    rim_cuts_ = true;
 }
 
-// Where the rim cuts corners off, the area is that of the radius function, capped.
-double Iris::area_mm2() const {
-    if (!rim_cuts_) return area_mm2_;
-    constexpr int kSteps = 1 << 14;
-    double sum = 0.0;
+// Blades of the regular iris, moved and turned; then all is scaled to the area.
+void Iris::SetIrregularBlades(const IrisShape& shape, double opening_semi_diameter_mm) {
+    SetBlades(shape, 1.0);
+    const double amount = std::clamp(shape.irregularity, 0.0, 1.0);
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+        Edge& edge = edges_[k];
+        const double out = 1.0 + kOffsetVaries * amount * Share(shape.seed, 2 * k);
+        const double turn =
+            kAngleVaries * amount * kPi / shape.blades * Share(shape.seed, 2 * k + 1);
+        const double c = std::cos(turn);
+        const double s = std::sin(turn);
+        const double bulge = edge.radius > 0.0 ? edge.centre.dot(edge.normal) + edge.radius : 0.0;
+        edge.normal = {edge.normal.x * c - edge.normal.y * s,
+                       edge.normal.x * s + edge.normal.y * c};
+        edge.offset *= out;
+        if (edge.radius > 0.0) edge.centre = edge.normal * (bulge * out - edge.radius);
+    }
+    constexpr int kSteps = 1 << 15;
+    const double scale = opening_semi_diameter_mm * std::sqrt(kPi / RadialArea(kSteps));
+    double reach = 0.0;
+    inner_radius_ = 1e300;
+    for (Edge& edge : edges_) {
+        edge.offset *= scale;
+        edge.centre *= scale;
+        edge.radius *= scale;
+        inner_radius_ = std::min(
+            inner_radius_, edge.radius > 0.0 ? edge.radius - edge.centre.length() : edge.offset);
+    }
     for (int i = 0; i < kSteps; ++i) {
         const double phi = 2.0 * kPi * (i + 0.5) / kSteps;
-        const Vec2d u(std::cos(phi), std::sin(phi));
-        double lo = 0.0;
-        double hi = outer_radius_;
-        for (int step = 0; step < 45; ++step) {
-            const double mid = 0.5 * (lo + hi);
-            (Distance(u * mid) <= 0.0 ? lo : hi) = mid;
-        }
-        sum += lo * lo;
+        reach = std::max(reach, Reach({std::cos(phi), std::sin(phi)}));
     }
-    return kPi * sum / kSteps;
+    // A corner between two directions reaches farther than both.
+    outer_radius_ = reach * (1.0 + 1e-3);
+    area_mm2_ = kPi * opening_semi_diameter_mm * opening_semi_diameter_mm;
+}
+
+void Iris::SetMask(const IrisShape& shape, double opening_semi_diameter_mm, double rim) {
+    const StopPicture& mask = *shape.mask;
+    FLARE_CHECK(mask.area_mm2() > 0.0);
+    const double size = opening_semi_diameter_mm * std::sqrt(kPi / mask.area_mm2());
+    picture_ = mask.Placed(mask.half_width_mm() * size, RadiansFromDegrees(shape.rotation_deg));
+    const double radius = std::min(rim, picture_->outer_radius());
+    edges_.push_back({{0.0, 0.0}, 0.0, {0.0, 0.0}, radius});
+    outer_radius_ = edges_inner_radius_ = radius;
+    inner_radius_ = std::min(radius, picture_->clear_radius());
+}
+
+// How far the edges let the opening reach from the centre.
+double Iris::Reach(Vec2d direction) const {
+    double reach = 1e300;
+    for (const Edge& edge : edges_) {
+        if (edge.radius > 0.0) {
+            // |t d - c| = r, the farther of both.
+            const double along = edge.centre.dot(direction);
+            const double rest = edge.radius * edge.radius - edge.centre.length2();
+            reach = std::min(reach, along + std::sqrt(std::max(0.0, along * along + rest)));
+        } else if (const double ahead = direction.dot(edge.normal); ahead > 0.0) {
+            reach = std::min(reach, edge.offset / ahead);
+        }
+    }
+    return reach;
+}
+
+// The edges' opening by its reach in all directions, which is that of every point of it: an
+// intersection of discs and half-planes around the centre.
+double Iris::RadialArea(int steps) const {
+    double sum = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        const double phi = 2.0 * kPi * (i + 0.5) / steps;
+        const double reach = Reach({std::cos(phi), std::sin(phi)});
+        sum += reach * reach;
+    }
+    return kPi * sum / steps;
+}
+
+double Iris::area_mm2() const {
+    if (picture_) {
+        // By the cells of a lattice over the disc around it.
+        constexpr int kSide = 1500;
+        const double step = 2.0 * outer_radius_ / kSide;
+        double sum = 0.0;
+        for (int j = 0; j < kSide; ++j) {
+            for (int i = 0; i < kSide; ++i) {
+                sum += TransmissionAt(
+                    {(i + 0.5) * step - outer_radius_, (j + 0.5) * step - outer_radius_});
+            }
+        }
+        return sum * step * step;
+    }
+    return rim_cuts_ ? RadialArea(1 << 14) : area_mm2_;
+}
+
+double Iris::TransmissionAt(Vec2d p) const {
+    if (Distance(p) > 0.0) return 0.0;
+    return picture_ ? picture_->At(p) : 1.0;
 }
 
 double Iris::EdgeDistance(int k, Vec2d p) const {

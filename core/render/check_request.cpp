@@ -245,6 +245,9 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
     if (!(std::abs(iris.rotation_deg) <= 36'000.0)) {
         return Bad("/iris/rotation_deg", "must be within +-36000 degrees");
     }
+    if (!(iris.irregularity >= 0.0 && iris.irregularity <= 1.0))
+        return Bad("/iris/irregularity", "must be 0 to 1");
+    if (iris.mask && !(iris.mask->area_mm2() > 0.0)) return Bad("/iris/mask", "lets no light pass");
     const int channels =
         request.color == ColorMode::kSpectral
             ? static_cast<int>(std::min<std::size_t>(request.wavelengths_nm.size(), 100'000))

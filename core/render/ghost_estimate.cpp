@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "core/image/net_shape.h"
+#include "core/image/stop_pass.h"
 #include "core/render/ghost_light.h"
 #include "core/spectrum/wavelength_plan.h"
 
@@ -97,7 +98,23 @@ class Estimator {
         const Vec2d p = pose_.LensSpace({x, y});
         const double radius = p.length();
         if (radius > iris_.outer_radius()) return radius - iris_.outer_radius();
-        return radius < iris_.inner_radius() ? -1.0 : iris_.Distance(p);
+        return radius < iris_.edges_inner_radius() ? -1.0 : iris_.Distance(p);
+    }
+
+    // Is the iris's picture clear all over a cell, as far as its corners tell?
+    bool Clear(const CellPlace& cell, const MeshGrid& grid) const {
+        if (iris_.picture() == nullptr) return true;
+        for (int c = 0; c < mesh_.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
+            StopCorners at;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const std::size_t v =
+                    grid.Vertex(cell.i + (k == 1 || k == 2 ? 1 : 0), cell.j + (k >= 2 ? 1 : 0));
+                at[k] = pose_.LensSpace({Field(grid, v, f), Field(grid, v, f + 1)});
+            }
+            if (!PassRange(*iris_.picture(), at).clear()) return false;
+        }
+        return true;
     }
 
     double PassingShare(const CellPlace& cell, const MeshGrid& grid) {
@@ -125,7 +142,7 @@ class Estimator {
             const auto f = static_cast<std::size_t>(mesh_.rim_field(r));
             if (!look([&](std::size_t v) { return Field(grid, v, f); })) return 0.0;
         }
-        return cut ? SampledShare(cell) : 1.0;
+        return cut || !Clear(cell, grid) ? SampledShare(cell) : 1.0;
     }
 
     double SampledShare(const CellPlace& cell) {
@@ -133,11 +150,31 @@ class Estimator {
         std::array<std::array<double, 4>, kLattice> weights;
         for (int i = 0; i < kLattice; ++i)
             weights[static_cast<std::size_t>(i)] = Bernstein((i + 0.5) / kLattice);
-        int inside = 0;
+        double inside = 0.0;
         for (const std::array<double, 4>& b : weights) {
-            for (const std::array<double, 4>& a : weights) inside += PassesAt(a, b) ? 1 : 0;
+            for (const std::array<double, 4>& a : weights) {
+                if (PassesAt(a, b)) inside += PictureAt(a, b);
+            }
         }
-        return static_cast<double>(inside) / (kLattice * kLattice);
+        return inside / (kLattice * kLattice);
+    }
+
+    // What the iris's picture lets pass around a point of the lattice.
+    double PictureAt(const std::array<double, 4>& a, const std::array<double, 4>& b) const {
+        if (iris_.picture() == nullptr) return 1.0;
+        double passes = 1.0;
+        for (int c = 0; c < mesh_.stop_crossings; ++c) {
+            const auto f = static_cast<std::size_t>(mesh_.stop_field(c));
+            // The lattice is even: a cell of it is a sixth of what the corners span.
+            const auto corner = [&](std::size_t n) {
+                return pose_.LensSpace({nets_.nets[f][n], nets_.nets[f + 1][n]});
+            };
+            const Vec2d right = (corner(3) - corner(0) + corner(15) - corner(12)) * 0.5;
+            const Vec2d up = (corner(12) - corner(0) + corner(15) - corner(3)) * 0.5;
+            const Vec2d at = pose_.LensSpace({Value(f, a, b), Value(f + 1, a, b)});
+            passes *= iris_.picture()->Mean({at, right / kLattice, up / kLattice, Vec2d(0.0, 0.0)});
+        }
+        return passes;
     }
 
     // Weights of the net's columns and rows.

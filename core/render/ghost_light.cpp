@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/image/cell_bounds.h"
 #include "core/render/cell_light.h"
 #include "core/render/quality.h"
 

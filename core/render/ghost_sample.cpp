@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/image/stop_pass.h"
 #include "core/mesh/pass_region.h"
 #include "core/tracing/paraxial_ghost.h"
 #include "core/tracing/trace_columns.h"
@@ -175,6 +176,9 @@ class Sampler {
                 ratio2_[k] = std::max(ratio2_[k], at[k]);
         }
         vertices_.assign(Index(0, kCells + 1), {});
+        if (scene_.iris.picture() != nullptr)
+            at_stop_.assign(vertices_.size() * static_cast<std::size_t>(list_.stop_crossings),
+                            Vec2d(0.0, 0.0));
         passing_ = 0;
         for (int j = 0; j <= kCells; ++j) {
             for (int i = 0; i <= kCells; ++i) SetVertex(i, j);
@@ -194,6 +198,7 @@ class Sampler {
                 {static_cast<double>(traced_.stop_x[c * traced_.stride + k]),
                  side * static_cast<double>(traced_.stop_y[c * traced_.stride + k])});
             vertex.mask = std::max(vertex.mask, scene_.iris.Distance(at) / opening);
+            if (!at_stop_.empty()) at_stop_[c * vertices_.size() + Index(i, j)] = at;
         }
         const double gap = list_.sensor_z_mm - list_.steps.back().vertex_z_mm;
         vertex.px = scene_.map.Pixel(
@@ -336,7 +341,8 @@ class Sampler {
             lo = {std::min(lo.x, corner->px.x), std::min(lo.y, corner->px.y)};
             hi = {std::max(hi.x, corner->px.x), std::max(hi.y, corner->px.y)};
         }
-        const double flux = coverage * du_ * dv_ * FluxOf(i, j);
+        const double passes = living == 4 ? PassMeanOf(i, j) : PassAtCorners(corners);
+        const double flux = coverage * passes * du_ * dv_ * FluxOf(i, j);
         const double on_frame =
             Overlap(lo.x, hi.x, scene_.width) * Overlap(lo.y, hi.y, scene_.height);
         AddToBox(corners);
@@ -344,11 +350,59 @@ class Sampler {
         sample_.frame_flux_mm2 += flux * on_frame;
         const auto [area, folded] = living == 4 ? AreaOf(corners) : std::pair(1.0, false);
         sample_.area_px2 += coverage * area;
-        if (on_frame > 0.0) {
+        if (on_frame > 0.0 && passes > 0.0) {
             // At a fold irradiance goes with one over the square root of the distance to it.
             const double most = folded ? std::sqrt(std::sqrt(area)) : 1.0;
-            sample_.peak = std::max(sample_.peak, flux / coverage / (area * pixel_mm2_) * most);
+            const double whole = passes < 1.0 ? du_ * dv_ * FluxOf(i, j) : flux / coverage;
+            sample_.peak = std::max(sample_.peak, whole / (area * pixel_mm2_) * most);
         }
+    }
+
+    // Of the iris's picture over a cell, in parts: at every crossing it is met by the same rays.
+    double PassMeanOf(int i, int j) const {
+        if (at_stop_.empty()) return 1.0;
+        constexpr int kParts = 4;
+        const auto place = [&](std::size_t first, double a, double b) {
+            return (at_stop_[first + Index(i, j)] * (1.0 - a) +
+                    at_stop_[first + Index(i + 1, j)] * a) *
+                       (1.0 - b) +
+                   (at_stop_[first + Index(i, j + 1)] * (1.0 - a) +
+                    at_stop_[first + Index(i + 1, j + 1)] * a) *
+                       b;
+        };
+        double sum = 0.0;
+        for (int k = 0; k < kParts * kParts; ++k) {
+            const double a = static_cast<double>(k % kParts) / kParts;
+            const double b = static_cast<double>(k / kParts) / kParts;
+            constexpr double kStep = 1.0 / kParts;
+            double passes = 1.0;
+            for (std::size_t first = 0; first < at_stop_.size() && passes > 0.0;
+                 first += vertices_.size()) {
+                passes *=
+                    PassMean(*scene_.iris.picture(),
+                             {place(first, a, b), place(first, a + kStep, b),
+                              place(first, a + kStep, b + kStep), place(first, a, b + kStep)});
+            }
+            sum += passes;
+        }
+        return sum / (kParts * kParts);
+    }
+
+    // The same of a cell of which not all is known.
+    double PassAtCorners(const std::array<const Vertex*, 4>& corners) const {
+        if (at_stop_.empty()) return 1.0;
+        double sum = 0.0;
+        int living = 0;
+        for (const Vertex* corner : corners) {
+            if (!corner->alive) continue;
+            const auto n = static_cast<std::size_t>(corner - vertices_.data());
+            double passes = 1.0;
+            for (std::size_t first = 0; first < at_stop_.size(); first += vertices_.size())
+                passes *= scene_.iris.TransmissionAt(at_stop_[first + n]);
+            sum += passes;
+            ++living;
+        }
+        return living > 0 ? sum / living : 0.0;
     }
 
     // The corners that pass, and where an edge of the cell meets the mask.
@@ -403,6 +457,7 @@ class Sampler {
     TraceColumns traced_;
     std::vector<float> ratio2_;  // of each ray, the largest over all rims
     std::vector<Vertex> vertices_;
+    std::vector<Vec2d> at_stop_;  // [crossing][vertex], if the iris has a picture
     int passing_ = 0;
     std::vector<double> passage_;
     Vec2d lo_{std::numeric_limits<double>::max()}, hi_{std::numeric_limits<double>::lowest()};

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/base/units.h"
+#include "core/render/mask_outline.h"
 #include "core/render/quality.h"
 #include "core/spectrum/spectrum.h"
 #include "core/spectrum/wavelength_plan.h"
@@ -65,7 +66,7 @@ std::optional<std::array<Vec2d, 2>> SensorScale(const Lens& lens, const PlacedLi
 }
 
 // A beam's edge with the picture's scale taken out: place over wavelength is then its frequency.
-ApertureOutline Scaled(const EdgeLoop& edge, Vec2d along_u, Vec2d along_v) {
+EdgeLoop Scaled(const EdgeLoop& edge, Vec2d along_u, Vec2d along_v) {
     const double determinant = along_u.x * along_v.y - along_u.y * along_v.x;
     EdgeLoop loop;
     loop.smooth = edge.smooth;
@@ -81,7 +82,7 @@ ApertureOutline Scaled(const EdgeLoop& edge, Vec2d along_u, Vec2d along_v) {
         std::reverse(loop.pieces.begin(), loop.pieces.end());
         for (EdgePiece& piece : loop.pieces) std::reverse(piece.begin(), piece.end());
     }
-    return {loop};
+    return loop;
 }
 
 // A number in -1..1 for the turn `index` of an unsteady iris (SplitMix64).
@@ -145,7 +146,7 @@ std::optional<BeamOutline> StarburstLayer::AddOutlines(const PlacedLight& light,
     const double rim =
         lens.surfaces()[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm;
     const StarburstSpec& spec = request_.starburst;
-    const bool unsteady = spec.jitter_deg > 0.0 && request_.iris.blades > 0;
+    const bool unsteady = spec.jitter_deg > 0.0 && (request_.iris.blades > 0 || request_.iris.mask);
     const int turns = unsteady ? spec.jitter_count : 1;
     std::optional<BeamOutline> first;
     for (int turn = 0; turn < turns; ++turn) {
@@ -158,8 +159,17 @@ std::optional<BeamOutline> StarburstLayer::AddOutlines(const PlacedLight& light,
         std::optional<BeamOutline> beam =
             FindBeamOutline(lens, bundle, light.pose, iris, kLineD, threads);
         if (!beam) continue;
-        spot.area_mm2 += beam->area_mm2 / turns;
-        spot.outlines.push_back(Scaled(beam->edge, spot.along_u, spot.along_v));
+        ApertureOutline outline = {beam->edge};
+        double area_mm2 = beam->area_mm2;
+        if (iris.picture() != nullptr) {
+            outline =
+                FindMaskOutline(lens, bundle, light.pose, *iris.picture(), *beam, kLineD, threads);
+            area_mm2 = AreaOf(outline);
+            if (!(area_mm2 > 0.0)) continue;
+        }
+        spot.area_mm2 += area_mm2 / turns;
+        for (EdgeLoop& loop : outline) loop = Scaled(loop, spot.along_u, spot.along_v);
+        spot.outlines.push_back(std::move(outline));
         if (!first) first = std::move(beam);
     }
     return first;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/image/raster_sink.h"
+#include "core/image/tile_pass.h"
 
 namespace flare {
 namespace {
@@ -106,7 +107,7 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
             if (cancel.cancelled()) return;
             Drawn& sum = drawn[static_cast<std::size_t>(s)];
             DrawSmooth(ghost.tiles, strip, sum);
-            DrawEdges(ghost.tiles, strip, sum);
+            DrawEdges(ghost.tiles, iris, strip, sum);
             if (ghost.tiles.any_left) DrawLeft(ghost, iris, map, tolerance, strip, sum);
         }
     });
@@ -134,8 +135,10 @@ void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn&
     }
 }
 
-void TilePicture::DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& drawn) {
+void TilePicture::DrawEdges(const GhostTiles& tiles, const Iris& iris, const Strip& strip,
+                            Drawn& drawn) {
     TilePixels pixels;
+    std::vector<float> pass;
     for (const EdgeTile& tile : tiles.edges) {
         const int size = TileSize(tile.level);
         const int y = tile.y * size;
@@ -154,6 +157,10 @@ void TilePicture::DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& 
             shade.band_rgb = tiles.band_rgb.data() + 3 * tile.bands_at;
             shade.band_sharpness = tiles.band_sharpness.data() + tile.bands_at;
             shade.band_weights = tiles.band_weights.data();
+        }
+        if (tile.pictured > 0) {
+            FindTilePass(tiles, tile, *iris.picture(), pass);
+            shade.pass = pass.data();
         }
         ShadeEdge(shade, pixels);
         const auto x = static_cast<std::size_t>(tile.x * size - padded_.x);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "protocol/codec/base64.h"
 #include "protocol/limits.h"
 
 namespace flare::wire {
@@ -30,6 +31,38 @@ bool CheckSides(Reader& reader, const JsonView& at, const Image& image) {
         return reader.RefuseMember(
             at, "overscan", "limit",
             "frame and overscan are larger than " + std::to_string(kImageSide) + " pixels a side");
+    }
+    return true;
+}
+
+bool ReadMask(Reader& reader, const JsonView& at, IrisMask& mask) {
+    if (at.kind() == JsonKind::kString || (at.kind() == JsonKind::kObject && at.Find("file"))) {
+        return reader.Refuse(at, "bad_value",
+                             "a mask is sent as {\"png_base64\": ...}; only flare render reads a "
+                             "file named in its place");
+    }
+    std::optional<JsonView> png;
+    if (!reader.Object(at, {"png_base64", "scale"}) || !reader.Require(at, "png_base64", png) ||
+        !reader.Text(*png, limits::kMaskTextBytes, mask.png)) {
+        return false;
+    }
+    std::optional<std::string> bytes = BytesFromBase64(mask.png);
+    if (!bytes) return reader.Refuse(*png, "bad_value", "the text is not base64");
+    mask.png = std::move(*bytes);
+    return IfGiven(at, "scale", [&](const JsonView& v) {
+        return reader.OneOf<IrisMaskScale>(
+            v, {{"area", IrisMaskScale::kArea}, {"stop", IrisMaskScale::kStop}}, mask.scale);
+    });
+}
+
+bool CheckIris(Reader& reader, const JsonView& at, const Iris& iris) {
+    if (iris.mask && iris.mask->scale == IrisMaskScale::kArea && iris.blades != 0) {
+        return reader.RefuseMember(at, "blades", "bad_value",
+                                   "a mask stands in place of blades, unless its scale is "
+                                   "\"stop\"");
+    }
+    if (iris.irregularity > 0.0 && iris.blades == 0) {
+        return reader.RefuseMember(at, "irregularity", "bad_value", "a round iris has no blades");
     }
     return true;
 }
@@ -91,22 +124,35 @@ bool CheckPictureSize(Reader& reader, const JsonView& at, const Image& image,
 }
 
 bool ReadIris(Reader& reader, const JsonView& at, Iris& iris) {
-    return reader.Object(at, {"blades", "roundness", "rotation_deg"}, {"mask"}) &&
-           IfGiven(at, "blades",
-                   [&](const JsonView& v) {
-                       if (!reader.Integer(v, 0, limits::kMaxBlades, iris.blades)) return false;
-                       return iris.blades == 0 || iris.blades >= limits::kMinBlades ||
-                              reader.Refuse(v, "bad_value",
-                                            "an iris has no blades (round) or at least " +
-                                                std::to_string(limits::kMinBlades));
-                   }) &&
-           IfGiven(at, "roundness",
-                   [&](const JsonView& v) {
-                       return reader.Number(v, Between(0.0, 1.0), iris.roundness);
-                   }) &&
-           IfGiven(at, "rotation_deg", [&](const JsonView& v) {
-               return reader.Number(v, Within(limits::kMaxRotation_deg), iris.rotation_deg);
-           });
+    const bool read =
+        reader.Object(at,
+                      {"blades", "roundness", "rotation_deg", "irregularity", "seed", "mask"}) &&
+        IfGiven(at, "blades",
+                [&](const JsonView& v) {
+                    if (!reader.Integer(v, 0, limits::kMaxBlades, iris.blades)) return false;
+                    return iris.blades == 0 || iris.blades >= limits::kMinBlades ||
+                           reader.Refuse(v, "bad_value",
+                                         "an iris has no blades (round) or at least " +
+                                             std::to_string(limits::kMinBlades));
+                }) &&
+        IfGiven(at, "roundness",
+                [&](const JsonView& v) {
+                    return reader.Number(v, Between(0.0, 1.0), iris.roundness);
+                }) &&
+        IfGiven(at, "rotation_deg",
+                [&](const JsonView& v) {
+                    return reader.Number(v, Within(limits::kMaxRotation_deg), iris.rotation_deg);
+                }) &&
+        IfGiven(at, "irregularity",
+                [&](const JsonView& v) {
+                    return reader.Number(v, Between(0.0, 1.0), iris.irregularity);
+                }) &&
+        IfGiven(
+            at, "seed",
+            [&](const JsonView& v) { return reader.Integer(v, 0, limits::kMaxSeed, iris.seed); }) &&
+        IfGiven(at, "mask",
+                [&](const JsonView& v) { return ReadMask(reader, v, iris.mask.emplace()); });
+    return read && CheckIris(reader, at, iris);
 }
 
 }  // namespace flare::wire

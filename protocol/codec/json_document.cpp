@@ -47,9 +47,10 @@ class JsonBuilder final : public nlohmann::json_sax<nlohmann::json> {
     bool string(string_t& value) override {
         JsonDocument::Node* node = Append(JsonKind::kString);
         if (!node) return false;
-        if (value.size() > limits::kStringBytes) {
-            return Refuse("limit", "the string is longer than " +
-                                       std::to_string(limits::kStringBytes) + " bytes");
+        const bool image = JsonView(&document_, last_).key() == "png_base64";
+        const std::size_t most = image ? limits::kMaskTextBytes : limits::kStringBytes;
+        if (value.size() > most) {
+            return Refuse("limit", "the string is longer than " + std::to_string(most) + " bytes");
         }
         node->text_begin = Store(value);
         node->text_size = static_cast<std::uint32_t>(value.size());

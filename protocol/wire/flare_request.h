@@ -44,10 +44,20 @@ struct Starburst {
     int seed = 0;
 };
 
+enum class IrisMaskScale { kArea, kStop };
+
+struct IrisMask {
+    std::string png;  // its bytes, not looked at
+    IrisMaskScale scale = IrisMaskScale::kArea;
+};
+
 struct Iris {
     int blades = 0;  // 0: round
     double roundness = 0.0;
     double rotation_deg = 0.0;
+    double irregularity = 0.0;  // with blades
+    int seed = 0;
+    std::optional<IrisMask> mask;  // scaled by area: without blades
 };
 
 struct Image {

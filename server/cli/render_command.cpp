@@ -12,6 +12,7 @@
 #include "server/cli/encoder_view.h"
 #include "server/cli/explain.h"
 #include "server/cli/files.h"
+#include "server/cli/mask_file.h"
 #include "server/cli/progress.h"
 #include "server/service.h"
 
@@ -162,6 +163,8 @@ int Render(const RenderOptions& options) {
     }
     Result<std::string> body = ReadInput(options.request);
     if (!body) return Complain("", body.error());
+    body = WithMaskInside(*body, options.request);
+    if (!body) return Complain(options.request, body.error());
     if (!options.encoder.empty()) {
         body = WithEncoder(*body, options.encoder);
         if (!body) return Complain(options.request, body.error());

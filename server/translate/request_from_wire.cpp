@@ -7,6 +7,7 @@
 #include "core/spectrum/light_spectrum.h"
 #include "core/spectrum/sampled_curve.h"
 #include "server/translate/lens_from_wire.h"
+#include "server/translate/mask_from_wire.h"
 
 namespace flare {
 namespace {
@@ -146,7 +147,16 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.starburst = {starburst.core, starburst.jitter_deg, starburst.jitter_count,
                             static_cast<std::uint64_t>(starburst.seed)};
     translated.f_number = request.lens.f_number;
-    translated.iris = {request.iris.blades, request.iris.roundness, request.iris.rotation_deg};
+    const wire::Iris& iris = request.iris;
+    translated.iris = {iris.blades, iris.roundness, iris.rotation_deg, iris.irregularity,
+                       static_cast<std::uint64_t>(iris.seed)};
+    if (iris.mask) {
+        Result<std::shared_ptr<const StopPicture>> mask = MaskFromWire(*iris.mask);
+        if (!mask) return mask.error();
+        translated.iris.mask = std::move(*mask);
+        translated.iris.mask_scale =
+            iris.mask->scale == wire::IrisMaskScale::kStop ? MaskScale::kStop : MaskScale::kArea;
+    }
     translated.image = ImageFromWire(request.image);
     translated.lights.reserve(request.lights.size());
     for (const wire::Light& light : request.lights) {

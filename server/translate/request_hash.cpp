@@ -56,6 +56,12 @@ void Add(Fingerprinter& hash, const wire::Quality& quality) {
     hash.Add(photon.kernel_px).Add(photon.nearest);
 }
 
+void Add(Fingerprinter& hash, const wire::Iris& iris) {
+    hash.Add(iris.blades).Add(iris.roundness).Add(iris.rotation_deg);
+    if (iris.irregularity > 0.0) hash.Add("irregular").Add(iris.irregularity).Add(iris.seed);
+    if (iris.mask) hash.Add("mask").Add(iris.mask->png).Add(static_cast<int>(iris.mask->scale));
+}
+
 void Add(Fingerprinter& hash, const wire::Model& model) {
     hash.Add(model.reflections).Add(model.four_reflection_threshold);
     hash.Add(model.sensor_reflection).Add(static_cast<int>(model.ringing));
@@ -117,7 +123,7 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     Add(hash, request.lens.f_number);
     Add(hash, request.lens.focus_m);
     Add(hash, request.lens.zoom_mm);
-    hash.Add(request.iris.blades).Add(request.iris.roundness).Add(request.iris.rotation_deg);
+    Add(hash, request.iris);
     Add(hash, request.image);
     hash.Add(static_cast<std::int64_t>(request.lights.size()));
     for (const wire::Light& light : request.lights) Add(hash, light);

@@ -9,6 +9,7 @@
 
 #include "core/base/units.h"
 #include "tests/support/random.h"
+#include "tests/support/stop_masks.h"
 
 namespace flare {
 namespace {
@@ -120,6 +121,64 @@ TEST(IrisOpening, IsCutByTheStopsRim) {
     const Iris wide({0, 0.0, 0.0}, 20.0, 8.55);
     EXPECT_NEAR(Reach(wide, 200.0, 100.0), 8.55, 1e-9);
     EXPECT_NEAR(wide.area_mm2(), kPi * 8.55 * 8.55, 1e-9);
+}
+
+TEST(IrisOpening, OfIrregularBladesKeepsTheAreaAndItsBounds) {
+    testing::Random random(4);
+    for (int i = 0; i < 60; ++i) {
+        IrisShape shape{random.Below(14) + 3, i % 3 == 0 ? 0.0 : random.Uniform(0.0, 1.0), 5.0};
+        shape.irregularity = random.Uniform(0.05, 1.0);
+        shape.seed = static_cast<std::uint64_t>(i);
+        const Iris iris(shape, 4.0, 100.0);
+        double sum = 0.0;
+        constexpr int kSteps = 3000;
+        for (int k = 0; k < kSteps; ++k) {
+            const double reach = Reach(iris, 360.0 * (k + 0.5) / kSteps, 40.0);
+            EXPECT_LE(reach, iris.outer_radius());
+            EXPECT_GE(reach, iris.inner_radius() * (1.0 - 1e-9));
+            sum += reach * reach;
+        }
+        EXPECT_NEAR(sum / kSteps, 16.0, 16.0 * 2e-3);
+    }
+}
+
+TEST(IrisOpening, OfIrregularBladesGoesBackToTheRegularOneAndFollowsItsSeed) {
+    IrisShape shape{7, 0.3, 5.0};
+    const Iris regular(shape, 4.0, 100.0);
+    shape.irregularity = 1e-6;
+    const Iris hardly(shape, 4.0, 100.0);
+    shape.irregularity = 0.8;
+    const Iris irregular(shape, 4.0, 100.0);
+    const Iris again(shape, 4.0, 100.0);
+    shape.seed = 1;
+    const Iris other(shape, 4.0, 100.0);
+    double most = 0.0, most_other = 0.0;
+    for (double angle = 0.0; angle < 360.0; angle += 3.0) {
+        const double reach = Reach(irregular, angle, 40.0);
+        EXPECT_NEAR(Reach(hardly, angle, 40.0), Reach(regular, angle, 40.0), 1e-4);
+        EXPECT_EQ(Reach(again, angle, 40.0), reach);
+        most = std::max(most, std::abs(reach - Reach(regular, angle, 40.0)));
+        most_other = std::max(most_other, std::abs(reach - Reach(other, angle, 40.0)));
+    }
+    EXPECT_GT(most, 0.1);
+    EXPECT_GT(most_other, 0.1);
+}
+
+TEST(IrisOpening, OfAMaskHasTheDiscsAreaOrTheRimsSize) {
+    IrisShape shape;
+    shape.mask = StopPicture::Sharp(testing::Drawn(160, 10.0, testing::InStar));
+    const Iris star(shape, 4.0, 100.0);
+    EXPECT_NEAR(star.area_mm2(), kPi * 16.0, 2e-3 * kPi * 16.0);
+    EXPECT_NEAR(star.outer_radius(), 8.0 * 4.0 * std::sqrt(kPi / testing::kStarArea), 0.25);
+    // Where a point of the star would stand out of the rim it is cut.
+    EXPECT_EQ(Iris(shape, 4.0, 5.0).outer_radius(), 5.0);
+    shape.mask_scale = MaskScale::kStop;
+    shape.mask = shape.mask->Placed(1.0, 0.0);
+    EXPECT_NEAR(Iris(shape, 4.0, 5.0).outer_radius(), 4.0, 1e-9);
+    EXPECT_NEAR(Iris(shape, 5.0, 5.0).area_mm2(), testing::kStarArea / 4.0,
+                2e-3 * testing::kStarArea);
+    EXPECT_EQ(Iris(shape, 5.0, 5.0).TransmissionAt({0.0, 3.5}), 1.0);
+    EXPECT_EQ(Iris(shape, 5.0, 5.0).TransmissionAt({0.0, -3.5}), 0.0);
 }
 
 TEST(IrisOpening, BoundsAreTrue) {

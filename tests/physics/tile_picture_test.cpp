@@ -16,6 +16,7 @@
 #include "core/render/tile_picture.h"
 #include "tests/support/lenses.h"
 #include "tests/support/seed_lens.h"
+#include "tests/support/stop_masks.h"
 
 namespace flare {
 namespace {
@@ -33,6 +34,8 @@ struct Scene {
     // rel_l1 of all ghosts together, and of the energy.
     double most_l1 = 0.005, most_energy = 5e-4;
     std::size_t fewest_tiles = 51;  // smooth, and with edges
+    std::size_t step = 1;           // of the ghosts that are drawn
+    int most_drawn = 96;            // wavelengths
 };
 
 void PrintTo(const Scene& scene, std::ostream* out) {
@@ -80,7 +83,7 @@ class TilesAndPolygons : public ::testing::TestWithParam<Scene> {
         LightColour colour;
         colour.power = LightSpectrum(Vec3d(1.0, 1.0, 1.0));
         colour.dispersion_step_px = 0.5;
-        colour.most_drawn = 96;
+        colour.most_drawn = GetParam().most_drawn;
         std::vector<GhostLight::Cell> cells =
             CellsInWindow(*surface, {kDrawnLow_nm, 550.0, kDrawnHigh_nm}, *iris_, tile_map_, {});
         if (cells.empty()) return ghost;
@@ -107,7 +110,8 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
     Sums all;
     std::size_t smooth = 0, edges = 0, left = 0;
     const std::vector<BounceSequence> sequences = TwoReflectionSequences(*lens_);
-    const std::size_t step = sequences.size() > 60 ? sequences.size() / 40 : 1;
+    const std::size_t many = sequences.size() > 60 ? sequences.size() / 40 : 1;
+    const std::size_t step = std::max(many, GetParam().step);
     for (std::size_t n = 0; n < sequences.size(); n += step) {
         std::vector<TiledGhost> ghosts(1);
         ghosts[0] = Prepared(sequences[n]);
@@ -158,6 +162,26 @@ std::vector<Scene> Scenes() {
     scenes.push_back({"tronnier-color-heliar-100mm-f3_5", 4.0, 5.6, {}});
     scenes.push_back({"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}});
     scenes.push_back({"canon-zoom-70-200mm-f2_8", 3.0, 4.0, {9, 0.6, 0.0}});
+    // Masks: a star, and a disc with a hole off its middle, shaded on one side.
+    Scene star{testing::kSeedName, 5.0, 4.0, {}};
+    star.iris.mask = StopPicture::Sharp(testing::Drawn(160, 10.0, testing::InStar));
+    star.iris.rotation_deg = 9.0;
+    star.most_l1 = 0.005;
+    star.step = 11;
+    star.most_drawn = 8;
+    scenes.push_back(star);
+    StopGrid hole = testing::Drawn(120, 10.0, [](Vec2d p) {
+        return p.length() < 8.0 && (p - Vec2d(2.0, 1.0)).length() > 2.0;
+    });
+    for (std::size_t n = 0; n < hole.values.size(); ++n) {
+        if (n % 120 < 60) hole.values[n] *= 0.6F;
+    }
+    Scene shaded{testing::kSeedName, 9.0, 5.6, {}};
+    shaded.iris.mask = StopPicture::Sharp(std::move(hole));
+    shaded.most_l1 = 0.005;
+    shaded.step = 11;
+    shaded.most_drawn = 8;
+    scenes.push_back(shaded);
     return scenes;
 }
 

@@ -130,7 +130,12 @@ BODIES = [
     (changed(quality={"time_budget_ms": -40}), 400, "bad_value", "/quality/time_budget_ms"),
     (changed(quality={"max_error": 0.02, "time_budget_ms": 40}), 400, "bad_value",
      "/quality/preset"),
-    (changed(iris={"mask": "x"}), 400, "unsupported", "/iris/mask"),
+    # A daemon opens no file that a client names; masks come inside, and whole.
+    (changed(iris={"mask": "/etc/passwd"}), 400, "bad_value", "/iris/mask"),
+    (changed(iris={"mask": {"file": "a.png"}}), 400, "bad_value", "/iris/mask"),
+    (changed(iris={"mask": {"png_base64": "AAAA"}}), 400, "bad_image", "/iris/mask/png_base64"),
+    (changed(iris={"mask": {"png_base64": "A" * (9 << 20)}}), 400, "limit",
+     "/iris/mask/png_base64"),
     (with_light(direction=[0, 0, 1], temperature_k=3), 400, "bad_value",
      "/lights/0/temperature_k"),
     (with_light(direction=[0, 0, 1], spectrum={"wavelengths_nm": [500], "values": [0]}), 400,

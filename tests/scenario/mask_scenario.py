@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Irises by a mask: the client reads the image, the daemon never opens a file it is told of."""
+import base64
+import json
+import os
+import struct
+import unittest
+import zlib
+
+from harness import Daemon, Scenario, small_request
+
+
+def png(rows):
+    """8 bits of grey."""
+    def chunk(name, data):
+        return (struct.pack(">I", len(data)) + name + data
+                + struct.pack(">I", zlib.crc32(name + data)))
+    lines = b"".join(b"\0" + bytes(row) for row in rows)
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
+            + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
+
+
+def mask(hole):
+    """A disc, with or without a hole off its middle."""
+    def value(x, y):
+        return 255 if x * x + y * y < 800 and ((x - 8)**2 + y * y > 60 or not hole) else 0
+    return png([[value(i - 32, j - 32) for i in range(64)] for j in range(64)])
+
+
+class MaskScenario(Scenario):
+    def rendered(self, name, iris, *options):
+        path = self.write(name + ".json", json.dumps(small_request(iris=iris)))
+        self.run_flare("render", path, "-o", self.path(name + ".exr"), *options)
+        with open(self.path(name + ".exr"), "rb") as file:
+            return file.read()
+
+    def test_the_file_beside_the_request_is_sent_inside_it(self):
+        with open(self.path("hole.png"), "wb") as file:
+            file.write(mask(True))
+        inside = base64.b64encode(mask(True)).decode()
+        plain = self.rendered("plain", {})
+        here = self.rendered("here", {"mask": "hole.png"})
+        self.assertNotEqual(here, plain)
+        full = self.rendered("full", {"mask": {"png_base64": base64.b64encode(mask(False)).decode()}})
+        self.assertNotEqual(here, full, "the hole must show")
+        self.assertEqual(self.rendered("inside", {"mask": {"png_base64": inside}}), here)
+        with Daemon() as daemon:
+            url = daemon.unix_url
+            self.assertEqual(self.rendered("there", {"mask": {"file": "hole.png"}}, "--server", url),
+                             here)
+            reply = self.assert_ok(
+                daemon.flare(small_request(iris={"mask": {"png_base64": inside}})))
+            self.assertEqual(reply.body, here)
+            reply = daemon.flare(small_request(iris={"mask": self.path("hole.png")}))
+            self.assert_refused(reply, 400, "bad_value", "/iris/mask")
+
+    def test_a_file_that_is_missing_or_no_image_is_refused(self):
+        path = self.write("a.json", json.dumps(small_request(iris={"mask": "none.png"})))
+        self.run_flare("render", path, "-o", self.path("a.exr"), exit_code=2)
+        self.write("text.png", "no image")
+        path = self.write("a.json", json.dumps(small_request(iris={"mask": "text.png"})))
+        self.run_flare("render", path, "-o", self.path("a.exr"), exit_code=2)
+        self.assertFalse(os.path.exists(self.path("a.exr")))
+
+    def test_a_picture_is_an_exr_as_well(self):
+        source = self.write("source.json", json.dumps(small_request()))
+        self.run_flare("render", source, "-o", self.path("mask.exr"))
+        shown = self.rendered("shown", {"mask": {"file": "mask.exr", "scale": "stop"}})
+        self.assertNotEqual(shown, self.rendered("plain", {}))
+
+
+if __name__ == "__main__":
+    unittest.main()
