@@ -49,6 +49,7 @@ struct ModelSpec {
     double four_reflection_threshold = 1e-3;
     bool sensor_reflection = false;  // ghosts that the sensor reflects; the lens must have one
     CullingRule culling = CullingRule::kAuto;
+    bool ringing = true;  // fringes where they can be seen
 };
 
 // What the picture is made of; one at least.

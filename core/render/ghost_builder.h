@@ -26,6 +26,7 @@ class GhostBuilder {
         TiledGhost ghost;  // empty if none of it reaches the picture
         MeshMiss miss;
         std::optional<double> dispersion_step_px;  // if drawn at more than one wavelength
+        RingingFacts ringing;
         double flux_mm2 = 0.0;  // on the whole sensor plane, if asked for: see GhostFacts
         Work work;
     };
@@ -35,7 +36,8 @@ class GhostBuilder {
 
   private:
     LightColour ColourOf(const PlacedLight& light, double weight) const;
-    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const PictureMap& map,
+    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const Iris& iris,
+                                          const PictureMap& map,
                                           const std::vector<GhostLight::Cell>& cells) const;
 
     const RenderScene& scene_;
