@@ -5,9 +5,11 @@
 // Where edges meet, their profiles multiply, which is exact for a right angle and near enough a few
 // fringes away from any other.
 //
-// A profile's scale is local: what light near a place in the stop does on its way to the sensor is
-// told by d(picture) / d(direction at the stop), kept as a polynomial over the stop, and by how the
-// stop lies on the picture there (stop_jacobian.h). Immutable once made, shared by threads.
+// A profile's scale is local: over which distance the light near a place in the stop spreads is
+// told by the second derivative of the optical path there, kept as a polynomial over the stop
+// (stop_jacobian.h). Between a place and the edge it is taken a third of the way to the edge: the
+// path from the edge differs by the integral of (distance from the edge) x (second derivative).
+// Immutable once made, shared by threads.
 #pragma once
 
 #include <array>
@@ -28,9 +30,9 @@ struct GhostFringes {
         double fringe_px = 0.0;            // from the edge to the first maximum, about
         double source_t = 0.0;             // half-width of the light's disc
         double disc_fresnel_number = 0.0;  // of a round iris; 0: by its edges
-        // (x, y) in pixels for a direction along x, and for one along y; factors of 1, x, y, x^2,
-        // x y, y^2 of the place in the stop over `unit_mm`.
-        std::array<std::array<double, 4>, 6> spread{};
+        // By row the 2 x 2 second derivative of the path, 1/mm; factors of 1, x, y, x^2, x y, y^2
+        // of the place in the stop over `unit_mm`.
+        std::array<std::array<double, 4>, 6> bend{};
         double unit_mm = 1.0;
         double least_mm = 0.0, usual_mm = 1.0, most_mm = 0.0;  // of the distance z
     };
@@ -49,12 +51,9 @@ struct GhostFringes {
         return tables.data() + (crossing * static_cast<std::size_t>(bands) + band) *
                                    static_cast<std::size_t>(entries);
     }
-    // How the stop lies on the picture: mm for a pixel to the right, and down.
-    struct StopOnPicture {
-        Vec2d right{0.0, 0.0}, down{0.0, 0.0};
-    };
-    // Of t, for a mm away from an edge with this normal at a place in the stop.
-    double PerMm(std::size_t crossing, Vec2d stop_mm, Vec2d normal, const StopOnPicture& on) const;
+    // Of t, for a mm of distance from an edge: at a place in the stop which is `distance_mm`
+    // outside the edge (inside: negative), `normal` pointing out.
+    double PerMm(std::size_t crossing, Vec2d stop_mm, Vec2d normal, double distance_mm) const;
 };
 
 }  // namespace flare

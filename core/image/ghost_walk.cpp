@@ -378,8 +378,7 @@ struct GhostWalk::Work {
             }
             n += 2;
             if (Rings(c)) {
-                if (farthest2 > iris.inner_radius() * iris.inner_radius() &&
-                    !AddFringes(c, p, value))
+                if (farthest2 > iris.inner_radius() * iris.inner_radius() && !AddFringes(c, p))
                     return false;
                 continue;
             }
@@ -405,19 +404,11 @@ struct GhostWalk::Work {
 
     // The edges of a passage that rings, which stands at `stop` at the piece's corners; false if
     // the piece is in the dark.
-    template <class At>
-    bool AddFringes(std::size_t c, const CornerPoints& stop, const At& value) {
+    bool AddFringes(std::size_t c, const CornerPoints& stop) {
         const GhostFringes& fringes = *ghost.fringes;
         const Vec2d middle = (stop[0] + stop[1] + stop[2] + stop[3]) * 0.25;
         const Vec2d stop_a = (stop[1] - stop[0] + stop[2] - stop[3]) * 0.5;
         const Vec2d stop_b = (stop[3] - stop[0] + stop[2] - stop[1]) * 0.5;
-        CornerPoints px;
-        for (int k = 0; k < 4; ++k) px[static_cast<std::size_t>(k)] = {value(k, 0), value(k, 1)};
-        const Vec2d px_a = (px[1] - px[0] + px[2] - px[3]) * 0.5;
-        const Vec2d px_b = (px[3] - px[0] + px[2] - px[1]) * 0.5;
-        const double over = 1.0 / px_a.cross(px_b);  // infinite at a fold: see PerMm
-        const GhostFringes::StopOnPicture on = {(stop_a * px_b.y - stop_b * px_a.y) * over,
-                                                (stop_b * px_a.x - stop_a * px_b.x) * over};
         for (int e = 0; e < iris.edge_count(); ++e) {
             const Iris::Edge& edge = iris.edge(e);
             const Vec2d away = middle - edge.centre;
@@ -428,7 +419,8 @@ struct GhostWalk::Work {
             // Nearly the same for all wavelengths of a piece.
             double& per_mm = piece_scales[c * static_cast<std::size_t>(iris.edge_count()) +
                                           static_cast<std::size_t>(e)];
-            if (per_mm == 0.0) per_mm = fringes.PerMm(c, middle, normal, on);
+            if (per_mm == 0.0)
+                per_mm = fringes.PerMm(c, middle, normal, iris.EdgeDistance(e, middle));
             double least = 1e300;
             double most = -1e300;
             for (std::size_t k = 0; k < 4; ++k) {

@@ -76,7 +76,7 @@ bool TileEdges::AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel
     const auto crossing = static_cast<std::size_t>(masks_.crossings[c]);
     std::array<FringeEdge, kTraced> out;
     Vec2d middle(0.0, 0.0);
-    GhostFringes::StopOnPicture on;
+    Vec2d right(0.0, 0.0), down(0.0, 0.0);  // mm in the stop, a pixel
     float least = 1e30F;
     float most = -1e30F;
     const auto radius = static_cast<float>(edge.radius);
@@ -91,8 +91,8 @@ bool TileEdges::AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel
                 const Vec2d p(static_cast<double>(x), static_cast<double>(y));
                 const double step = 0.5 / size_;
                 middle += p * 0.25;
-                on.right += p * (n % 2 == 1 ? step : -step);
-                on.down += p * (n / 2 == 1 ? step : -step);
+                right += p * (n % 2 == 1 ? step : -step);
+                down += p * (n / 2 == 1 ? step : -step);
             }
             if (edge.radius > 0.0) {
                 fringe.x[n] = x - static_cast<float>(edge.centre.x);
@@ -116,8 +116,10 @@ bool TileEdges::AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel
         const Vec2d away = middle - edge.centre;
         normal = away.length() > 0.0 ? away.normalized() : Vec2d(1.0, 0.0);
     }
-    const double per_mm = fringes.PerMm(crossing, middle, normal, on);
-    const double pixel_mm = std::abs(normal.dot(on.right)) + std::abs(normal.dot(on.down));
+    const double distance = edge.radius > 0.0 ? (middle - edge.centre).length() - edge.radius
+                                              : middle.dot(edge.normal) - edge.offset;
+    const double per_mm = fringes.PerMm(crossing, middle, normal, distance);
+    const double pixel_mm = std::abs(normal.dot(right)) + std::abs(normal.dot(down));
     const auto room = static_cast<float>(pixel_mm) + 0.1F * (most - least);
     if (static_cast<double>(least - room) * per_mm > fringes.dark_t) return false;
     if (static_cast<double>(most + room) * per_mm < -fringes.lit_t) return true;

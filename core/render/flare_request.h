@@ -49,7 +49,8 @@ struct ModelSpec {
     double four_reflection_threshold = 1e-3;
     bool sensor_reflection = false;  // ghosts that the sensor reflects; the lens must have one
     CullingRule culling = CullingRule::kAuto;
-    bool ringing = true;  // fringes where they can be seen
+    // Diffraction fringes where they can be seen (fringe_plan.h); on the wire the default.
+    bool ringing = false;
 };
 
 // What the picture is made of; one at least.

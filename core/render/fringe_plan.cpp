@@ -204,11 +204,17 @@ class CrossingPlanner {
         for (const StopJacobian& ray : rays) {
             const Vec2d place = Camera(ray.stop_mm) / crossing.unit_mm;
             if (place.length() > 1.6) continue;
-            const Vec2d x = Picture(ray.sensor_per_angle * Canonical({1.0, 0.0}));
-            const Vec2d y = Picture(ray.sensor_per_angle * Canonical({0.0, 1.0}));
-            fit.Add(place, {x.x, x.y, y.x, y.y});
+            if (ray.sensor_per_angle.determinant() == 0.0) continue;
+            // B^-1 m, in camera coordinates.
+            const Matrix2 angle = ray.sensor_per_angle.Inverse();
+            const auto bend = [&](Vec2d along) {
+                return Camera(angle * (ray.sensor_per_stop * Canonical(along)));
+            };
+            const Vec2d x = bend({1.0, 0.0});
+            const Vec2d y = bend({0.0, 1.0});
+            fit.Add(place, {x.x, y.x, x.y, y.y});
         }
-        crossing.spread = fit.Solve();
+        crossing.bend = fit.Solve();
         crossing.usual_mm = Median(distances_);
         const double most = *std::max_element(distances_.begin(), distances_.end());
         crossing.most_mm = std::min(most * 1.2, kSpread * crossing.usual_mm);
