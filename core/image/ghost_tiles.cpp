@@ -189,7 +189,7 @@ GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& 
         tiles.any_left = true;
         return tiles;
     }
-    return Tiler(ghost, iris, map, window, tolerance, unit).Run();
+    return Tiler(ghost, ghost.IrisOr(iris), map, window, tolerance, unit).Run();
 }
 
 }  // namespace flare

@@ -44,12 +44,12 @@ struct SmoothTile {
 struct EdgeTile {
     std::int16_t level = 0;
     int x = 0, y = 0;
-    int straight = 0, arcs = 0;
+    int straight = 0, arcs = 0, fringes = 0;
     int pictured = 0;  // crossings of the stop at which the iris's picture is wanted
     bool dispersed = false;
     TileCorners corners{};  // dispersed: a factor on the bands' light
     // In the lists of GhostTiles.
-    std::size_t straight_at = 0, arcs_at = 0, bands_at = 0, pictured_at = 0;
+    std::size_t straight_at = 0, arcs_at = 0, fringes_at = 0, bands_at = 0, pictured_at = 0;
 };
 
 // Where a tile's corners cross the stop, mm, at one wavelength.
@@ -62,7 +62,8 @@ struct GhostTiles {
     std::vector<EdgeTile> edges;
     std::vector<StraightEdge> straight_edges;
     std::vector<ArcEdge> arc_edges;
-    std::vector<TileAtStop> pictured;   // [crossing][traced wavelength, or the middle one]
+    std::vector<TileAtStop> pictured;  // [crossing][traced wavelength, or the middle one]
+    std::vector<FringeEdge> fringe_edges;
     std::vector<float> band_rgb;        // [band][channel] of each dispersed tile
     std::vector<float> band_sharpness;  // [band] of each
     std::vector<float> band_weights;    // [band][traced wavelength]

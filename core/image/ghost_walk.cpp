@@ -15,6 +15,7 @@
 #include "core/image/net_shape.h"
 #include "core/image/piece_clip.h"
 #include "core/image/stop_pass.h"
+#include "core/wave/edge_profile.h"
 
 namespace flare {
 namespace {
@@ -51,11 +52,23 @@ struct GhostWalk::Work {
     std::array<std::vector<CornerValues>, kMostDepth> part_values;
     PieceClip clip;
     std::vector<double> light;
+    // Edges with fringes near the piece at hand.
+    struct PieceEdge {
+        CornerValues distance{};
+        double per_mm = 0.0, half = 0.0;  // steps of its table
+        std::size_t crossing = 0;
+    };
+    std::vector<PieceEdge> piece_edges;
+    std::vector<double> piece_scales;  // [crossing][edge], 0: not known yet
 
     Work(const GhostLight& g, const Iris& i, const PictureMap& m, const WalkTolerance& t)
-        : ghost(g), iris(i), map(m), tolerance(t), mesh(g.surface->mesh()) {
+        : ghost(g), iris(g.IrisOr(i)), map(m), tolerance(t), mesh(g.surface->mesh()) {
         light.resize(static_cast<std::size_t>(g.channels));
         sheets.resize(g.bands.size());
+        if (g.fringes) {
+            piece_scales.resize(g.fringes->crossings.size() *
+                                static_cast<std::size_t>(iris.edge_count()));
+        }
     }
 
     void Cell(const WalkWindow& window, PieceSink& sink) {
@@ -83,6 +96,7 @@ struct GhostWalk::Work {
             for (Sheet& sheet : sheets) std::swap(sheet.row_below, sheet.row_above);
             EvaluateRows(j + 1);
             for (int i = 0; i < cuts_u; ++i) {
+                std::fill(piece_scales.begin(), piece_scales.end(), 0.0);
                 for (std::size_t b = 0; b < sheets.size(); ++b) {
                     if (sheets[b].drawn) Piece(b, i, j, window, sink);
                 }
@@ -163,6 +177,11 @@ struct GhostWalk::Work {
                 const BezierNet& x = mask_nets.nets[f];
                 const BezierNet& y = mask_nets.nets[f + 1];
                 const double farthest = FarthestFromOrigin(RangeOf(x), RangeOf(y));
+                if (Rings(c)) {
+                    if (farthest >= iris.inner_radius())
+                        CutForFringes(c, ShapeOf(x, y), shape, u, v);
+                    continue;
+                }
                 if (farthest >= iris.edges_inner_radius())
                     CutForMask(ShapeOf(x, y), iris.edges_inner_radius(), u, v);
                 if (iris.picture() != nullptr && farthest >= iris.inner_radius())
@@ -181,6 +200,22 @@ struct GhostWalk::Work {
     void CutForMask(const NetShape& shape, double radius, double& u, double& v) const {
         u = std::max(u, shape.length_u / (tolerance.mask_step * radius));
         v = std::max(v, shape.length_v / (tolerance.mask_step * radius));
+    }
+
+    bool Rings(std::size_t crossing) const {
+        return ghost.fringes && ghost.fringes->crossings[crossing].rings;
+    }
+
+    // Pieces that are small against a fringe, or against a pixel.
+    void CutForFringes(std::size_t c, const NetShape& stop, const NetShape& shape, double& u,
+                       double& v) const {
+        constexpr double kStep_t = 0.3;
+        constexpr double kSmall_px = 1.0;
+        const GhostFringes& fringes = *ghost.fringes;
+        const double step_mm =
+            kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
+        u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / kSmall_px));
+        v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / kSmall_px));
     }
 
     void EvaluateRows(int row) {
@@ -228,11 +263,16 @@ struct GhostWalk::Work {
             return;
         }
         clip.Start(px);
+        piece_edges.clear();
         const auto value = [&](int k, std::size_t n) { return Value(sheet, i, k, n); };
         if ((fields.size() > 2 || dead_corner >= 0) && !AddMasks(value, i, j, {})) return;
         ++pieces;
         clip.ForEachPart([&](const PiecePart& part) {
             SetLight(ghost.bands[b], i, j, part.middle, part.share);
+            if (!piece_edges.empty()) {
+                const double passed = Passed(b, part);
+                for (double& one : light) one *= passed;
+            }
             sink.Add(part.px, light, static_cast<int>(b));
         });
     }
@@ -350,6 +390,11 @@ struct GhostWalk::Work {
                 farthest2 = std::max(farthest2, q.length2());
             }
             n += 2;
+            if (Rings(c)) {
+                if (farthest2 > iris.inner_radius() * iris.inner_radius() && !AddFringes(c, p))
+                    return false;
+                continue;
+            }
             if (farthest2 <= iris.edges_inner_radius() * iris.edges_inner_radius()) continue;
             for (int edge = 0; edge < iris.edge_count(); ++edge) {
                 CornerValues values;
@@ -368,6 +413,60 @@ struct GhostWalk::Work {
             if (!clip.AddMask(values)) return false;
         }
         return dead_corner < 0 || clip.AddMask(TriangleEdge(i + part.a, j + part.b, part.side));
+    }
+
+    // The edges of a passage that rings, which stands at `stop` at the piece's corners; false if
+    // the piece is in the dark.
+    bool AddFringes(std::size_t c, const CornerPoints& stop) {
+        const GhostFringes& fringes = *ghost.fringes;
+        const Vec2d middle = (stop[0] + stop[1] + stop[2] + stop[3]) * 0.25;
+        const Vec2d stop_a = (stop[1] - stop[0] + stop[2] - stop[3]) * 0.5;
+        const Vec2d stop_b = (stop[3] - stop[0] + stop[2] - stop[1]) * 0.5;
+        for (int e = 0; e < iris.edge_count(); ++e) {
+            const Iris::Edge& edge = iris.edge(e);
+            const Vec2d away = middle - edge.centre;
+            const Vec2d normal = edge.radius == 0.0    ? edge.normal
+                                 : away.length() > 0.0 ? away.normalized()
+                                                       : Vec2d(1.0, 0.0);
+            PieceEdge out;
+            // Nearly the same for all wavelengths of a piece.
+            double& per_mm = piece_scales[c * static_cast<std::size_t>(iris.edge_count()) +
+                                          static_cast<std::size_t>(e)];
+            if (per_mm == 0.0)
+                per_mm = fringes.PerMm(c, middle, normal, iris.EdgeDistance(e, middle));
+            double least = 1e300;
+            double most = -1e300;
+            for (std::size_t k = 0; k < 4; ++k) {
+                out.distance[k] = iris.EdgeDistance(e, stop[k]);
+                least = std::min(least, out.distance[k] * per_mm);
+                most = std::max(most, out.distance[k] * per_mm);
+            }
+            if (least > fringes.dark_t) return false;
+            if (most < -fringes.lit_t) continue;
+            const double extent = std::abs(normal.dot(stop_a)) + std::abs(normal.dot(stop_b));
+            out.per_mm = per_mm / fringes.step_t;
+            out.half = 0.5 * extent * out.per_mm;
+            out.crossing = c;
+            piece_edges.push_back(out);
+        }
+        return true;
+    }
+
+    // What the fringes let pass of a part of the piece.
+    double Passed(std::size_t band, const PiecePart& part) const {
+        double product = 1.0;
+        const double a = part.middle.x;
+        const double b = part.middle.y;
+        for (const PieceEdge& edge : piece_edges) {
+            const CornerValues& d = edge.distance;
+            const double at =
+                (1.0 - b) * ((1.0 - a) * d[0] + a * d[1]) + b * ((1.0 - a) * d[3] + a * d[2]);
+            const GhostFringes& fringes = *ghost.fringes;
+            const double place = fringes.dark_t / fringes.step_t - at * edge.per_mm;
+            product *=
+                TableMean(fringes.Table(edge.crossing, band), fringes.entries, place, edge.half);
+        }
+        return product;
     }
 
     // The line through the two corners next to the dead one: positive on its side.

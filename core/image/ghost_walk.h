@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "core/image/ghost_fringes.h"
 #include "core/mesh/ghost_surface.h"
 #include "core/optics/iris.h"
 
@@ -69,14 +70,20 @@ struct GhostLight {
 
     MaskFields masks;  // for tiles
 
+    std::shared_ptr<const GhostFringes> fringes;  // none: the iris's edges are sharp
+
     // Drawn wavelengths: the weights of the traced nodes and the light per du dv (irradiance,
     // transmittance and colour multiplied).
     struct Band {
         std::vector<double> node_weights;
         std::vector<double> light;
         int layer = 0;
+        double wavelength_nm = 0.0;
     };
     std::vector<Band> bands;
+
+    // What cuts it: the iris given, or that of its fringes.
+    const Iris& IrisOr(const Iris& iris) const { return fringes ? fringes->iris : iris; }
 };
 
 // The part of the picture that is wanted, in pixels; pieces wholly outside may be left out.

@@ -69,11 +69,82 @@ bool TileEdges::AddArc(const Iris::Edge& edge, std::size_t c, const TileLevel::S
     return true;
 }
 
+// The same for an edge with fringes.
+bool TileEdges::AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel::Sheet& sheet,
+                          const std::array<std::size_t, 4>& corners) {
+    const GhostFringes& fringes = *ghost_.fringes;
+    const auto crossing = static_cast<std::size_t>(masks_.crossings[c]);
+    std::array<FringeEdge, kTraced> out;
+    Vec2d middle(0.0, 0.0);
+    Vec2d right(0.0, 0.0), down(0.0, 0.0);  // mm in the stop, a pixel
+    float least = 1e30F;
+    float most = -1e30F;
+    const auto radius = static_cast<float>(edge.radius);
+    for (std::size_t k = 0; k < kTraced; ++k) {
+        FringeEdge& fringe = out[k];
+        fringe.radius = radius;
+        PixelBox box;
+        for (std::size_t n = 0; n < 4; ++n) {
+            const float x = Field(sheet, corners[n], k, 2 * c);
+            const float y = Field(sheet, corners[n], k, 2 * c + 1);
+            if (k == kTraced / 2) {
+                const Vec2d p(static_cast<double>(x), static_cast<double>(y));
+                const double step = 0.5 / size_;
+                middle += p * 0.25;
+                right += p * (n % 2 == 1 ? step : -step);
+                down += p * (n / 2 == 1 ? step : -step);
+            }
+            if (edge.radius > 0.0) {
+                fringe.x[n] = x - static_cast<float>(edge.centre.x);
+                fringe.y[n] = y - static_cast<float>(edge.centre.y);
+                box.Join({fringe.x[n], fringe.y[n], fringe.x[n], fringe.y[n]});
+                continue;
+            }
+            fringe.x[n] = x * static_cast<float>(edge.normal.x) +
+                          y * static_cast<float>(edge.normal.y) - static_cast<float>(edge.offset);
+            fringe.y[n] = 0.0F;
+            least = std::min(least, fringe.x[n]);
+            most = std::max(most, fringe.x[n]);
+        }
+        if (edge.radius > 0.0) {
+            least = std::min(least, std::sqrt(box.Nearest2()) - radius);
+            most = std::max(most, std::sqrt(box.Farthest2()) - radius);
+        }
+    }
+    Vec2d normal = edge.normal;
+    if (edge.radius > 0.0) {
+        const Vec2d away = middle - edge.centre;
+        normal = away.length() > 0.0 ? away.normalized() : Vec2d(1.0, 0.0);
+    }
+    const double distance = edge.radius > 0.0 ? (middle - edge.centre).length() - edge.radius
+                                              : middle.dot(edge.normal) - edge.offset;
+    const double per_mm = fringes.PerMm(crossing, middle, normal, distance);
+    const double pixel_mm = std::abs(normal.dot(right)) + std::abs(normal.dot(down));
+    const auto room = static_cast<float>(pixel_mm) + 0.1F * (most - least);
+    if (static_cast<double>(least - room) * per_mm > fringes.dark_t) return false;
+    if (static_cast<double>(most + room) * per_mm < -fringes.lit_t) return true;
+    for (FringeEdge& fringe : out) {
+        fringe.per_mm = static_cast<float>(per_mm / fringes.step_t);
+        fringe.half = static_cast<float>(0.5 * pixel_mm * per_mm / fringes.step_t);
+        fringe.table = fringes.Table(crossing, 0) - fringes.tables.data();
+    }
+    fringes_.push_back(out);
+    return true;
+}
+
 // The edges of the iris at crossing c.
 bool TileEdges::AddIris(std::size_t c, const TileLevel::Sheet& sheet,
                         const std::array<std::size_t, 4>& corners) {
     for (int e = 0; e < iris_.edge_count(); ++e) {
         const Iris::Edge& edge = iris_.edge(e);
+        if (ghost_.fringes &&
+            ghost_.fringes->crossings[static_cast<std::size_t>(masks_.crossings[c])].rings) {
+            if (!AddFringe(edge, c, sheet, corners)) {
+                dark_ = true;
+                return false;
+            }
+            continue;
+        }
         if (edge.radius > 0.0) {
             if (!AddArc(edge, c, sheet, corners)) return false;
             continue;
@@ -125,9 +196,12 @@ TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::She
     straight_.clear();
     arcs_.clear();
     pictured_.clear();
+    fringes_.clear();
+    dark_ = false;
     const std::size_t crossings = masks_.crossings.size();
     for (std::size_t c = 0; c < crossings && cut; ++c) {
-        if (!AddIris(c, sheet, corners) || !AddPicture(c, sheet, corners)) return Outcome::kShut;
+        if (!AddIris(c, sheet, corners) || !AddPicture(c, sheet, corners))
+            return dark_ ? Outcome::kDark : Outcome::kShut;
     }
     // The nearest edge is not all that covers a pixel in which many blades meet.
     constexpr std::size_t kMostBlades = 4;
@@ -143,7 +217,8 @@ TileEdges::Outcome TileEdges::Emit(int level, int x, int y, const TileLevel::She
     }
     if (size_ > kLargestEdgeTile && !whole()) return Outcome::kTooLarge;
     constexpr std::size_t kMost = kTileEdges;
-    if (straight_.size() > kMost || arcs_.size() > kMost) return Outcome::kTooMany;
+    if (straight_.size() > kMost || arcs_.size() > kMost || fringes_.size() > kMost)
+        return Outcome::kTooMany;
     TileCorners light{};
     for (std::size_t n = 0; n < 4; ++n) {
         for (std::size_t c = 0; c < 3; ++c) light[n][c] = scale[c] * sheet.rgb[3 * corners[n] + c];
@@ -166,12 +241,14 @@ void TileEdges::EmitEdge(int l, int x, int y, const TileLevel::Sheet& sheet,
     tile.straight = static_cast<int>(straight_.size());
     tile.arcs = static_cast<int>(arcs_.size());
     tile.pictured = static_cast<int>(pictured_.size());
+    tile.fringes = static_cast<int>(fringes_.size());
     tile.corners = light;
     tile.straight_at = out_.straight_edges.size();
     tile.arcs_at = out_.arc_edges.size();
+    tile.fringes_at = out_.fringe_edges.size();
     tile.pictured_at = out_.pictured.size();
     tile.bands_at = out_.band_sharpness.size();
-    tile.dispersed = Disperses();
+    tile.dispersed = !fringes_.empty() || Disperses();
     const std::size_t first = tile.dispersed ? 0 : kTraced / 2;
     const std::size_t end = tile.dispersed ? kTraced : first + 1;
     for (std::size_t k = first; k < end; ++k) {
@@ -180,6 +257,7 @@ void TileEdges::EmitEdge(int l, int x, int y, const TileLevel::Sheet& sheet,
                 {{edge[k].at[0], edge[k].at[1], edge[k].at[2], edge[k].at[3]}});
         }
         for (const auto& arc : arcs_) out_.arc_edges.push_back(arc[k]);
+        for (const auto& fringe : fringes_) out_.fringe_edges.push_back(fringe[k]);
     }
     for (const auto& crossing : pictured_) {
         for (std::size_t k = first; k < end; ++k) out_.pictured.push_back(crossing[k]);
@@ -283,6 +361,13 @@ void TileEdges::AddSharpness() {
                                 std::abs(x * arc.per_y_x + y * arc.per_y_y);
             over[k] =
                 std::max(over[k], (x * x + y * y - arc.radius2) / std::max(2.0F * slope, 1e-20F));
+        }
+        for (const auto& edges : fringes_) {
+            const FringeEdge& edge = edges[k];
+            const float x = 0.25F * (edge.x[0] + edge.x[1] + edge.x[2] + edge.x[3]);
+            const float y = 0.25F * (edge.y[0] + edge.y[1] + edge.y[2] + edge.y[3]);
+            const float d = edge.radius > 0.0F ? std::hypot(x, y) - edge.radius : x;
+            over[k] = std::max(over[k], 0.5F * d * edge.per_mm / std::max(edge.half, 1e-20F));
         }
     }
     const auto at = [&](std::size_t b) {

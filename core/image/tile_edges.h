@@ -28,6 +28,7 @@ class TileEdges {
     enum class Outcome {
         kAdded,
         kShut,      // by a mask
+        kDark,      // beyond the fringes
         kTooMany,   // edges for the kernel
         kTooLarge,  // a tile for edges
     };
@@ -52,11 +53,16 @@ class TileEdges {
     bool AddStraight(At at);
     bool AddArc(const Iris::Edge& edge, std::size_t c, const TileLevel::Sheet& sheet,
                 const std::array<std::size_t, 4>& corners);
+    bool AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel::Sheet& sheet,
+                   const std::array<std::size_t, 4>& corners);
+    // False if the iris shuts the tile out.
     bool AddIris(std::size_t c, const TileLevel::Sheet& sheet,
                  const std::array<std::size_t, 4>& corners);
     bool AddPicture(std::size_t c, const TileLevel::Sheet& sheet,
                     const std::array<std::size_t, 4>& corners);
-    bool whole() const { return straight_.empty() && arcs_.empty() && pictured_.empty(); }
+    bool whole() const {
+        return straight_.empty() && arcs_.empty() && pictured_.empty() && fringes_.empty();
+    }
     void EmitEdge(int level, int x, int y, const TileLevel::Sheet& sheet,
                   const std::array<std::size_t, 4>& corners, const TileCorners& light);
     void Rescale(TileCorners& light) const;
@@ -72,10 +78,12 @@ class TileEdges {
     double unit_;
     GhostTiles& out_;
     const MaskFields& masks_;
-    int size_ = 0;  // of the tile at hand
+    int size_ = 0;       // of the tile at hand
+    bool dark_ = false;  // it lies beyond the fringes of an edge
     std::vector<std::array<Scalar, kTraced>> straight_;
     std::vector<std::array<ArcEdge, kTraced>> arcs_;
     std::vector<std::array<TileAtStop, kTraced>> pictured_;
+    std::vector<std::array<FringeEdge, kTraced>> fringes_;
 };
 
 }  // namespace flare

@@ -196,6 +196,70 @@ HWY_INLINE Floats ArcAt(const ArcEdge& arc, const Bilinear& bx, const Bilinear& 
                       hn::Div(over, hn::Add(slope, slope)));
 }
 
+// The integral of a profile up to `place`, in steps of its table.
+HWY_INLINE Floats ProfileSum(const float* table, float last, Floats place) {
+    const FloatTag tag;
+    const hn::RebindToSigned<FloatTag> whole;
+    const Floats zero = hn::Zero(tag);
+    const Floats inner = hn::Min(hn::Max(place, zero), Constant(last - 1e-3F));
+    const auto i = hn::ConvertTo(whole, inner);
+    const Floats f = hn::Sub(inner, hn::ConvertTo(tag, i));
+    const Floats low = hn::GatherIndex(tag, table, i);
+    const Floats high = hn::GatherIndex(tag, table + 1, i);
+    return hn::Add(hn::MulAdd(hn::Sub(high, low), f, low),
+                   hn::Max(hn::Sub(place, Constant(last)), zero));
+}
+
+// Distances from the tile's edges with profiles, at each traced wavelength.
+struct Fringes {
+    const EdgeShade& tile;
+    Bilinear x[kTracedInTiles * kTileEdges], y[kTracedInTiles * kTileEdges];
+    Floats over[kTracedInTiles * kTileEdges];
+
+    explicit Fringes(const EdgeShade& shade) : tile(shade) {
+        for (int e = 0; e < kTracedInTiles * tile.fringes; ++e) {
+            x[e] = BilinearOf(tile.fringe_edges[e].x, tile.size);
+            if (tile.fringe_edges[e].radius > 0.0F)
+                y[e] = BilinearOf(tile.fringe_edges[e].y, tile.size);
+        }
+    }
+
+    HWY_INLINE void SetRow(float j, Floats i) {
+        for (int e = 0; e < kTracedInTiles * tile.fringes; ++e) {
+            over[e] = RowOf(x[e], j, i);
+            const float radius = tile.fringe_edges[e].radius;
+            if (radius > 0.0F) {
+                const Floats down = RowOf(y[e], j, i);
+                over[e] = hn::Sub(hn::Sqrt(hn::MulAdd(over[e], over[e], hn::Mul(down, down))),
+                                  Constant(radius));
+            }
+        }
+    }
+
+    // The product of the profiles at a band.
+    HWY_INLINE Floats At(int band) const {
+        const float* const w = tile.band_weights + band * kTracedInTiles;
+        const auto last = static_cast<float>(tile.fringe_entries - 1);
+        Floats product = Constant(1.0F);
+        for (int e = 0; e < tile.fringes; ++e) {
+            const FringeEdge& edge = tile.fringe_edges[e];
+            const Floats d =
+                hn::MulAdd(Constant(w[0]), over[e],
+                           hn::MulAdd(Constant(w[1]), over[tile.fringes + e],
+                                      hn::Mul(Constant(w[2]), over[2 * tile.fringes + e])));
+            const Floats place =
+                hn::NegMulAdd(d, Constant(edge.per_mm), Constant(tile.fringe_start));
+            const float half = std::max(edge.half / tile.band_sharpness[band], 0.25F);
+            const float* const table = tile.fringe_tables + edge.table +
+                                       static_cast<std::ptrdiff_t>(band) * tile.fringe_entries;
+            const Floats sum = hn::Sub(ProfileSum(table, last, hn::Add(place, Constant(half))),
+                                       ProfileSum(table, last, hn::Sub(place, Constant(half))));
+            product = hn::Mul(product, hn::Mul(sum, Constant(0.5F / half)));
+        }
+        return product;
+    }
+};
+
 void Shade(const EdgeShade& tile, TilePixels& out) {
     const FloatTag tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
@@ -212,6 +276,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
     }
     Bilinear light[3];
     for (int c = 0; c < 3; ++c) light[c] = BilinearOf(tile.light[c], size);
+    Fringes fringes(tile);
     const Floats half = Constant(0.5F);
     const Floats one = Constant(1.0F);
     const Floats zero = hn::Zero(tag);
@@ -231,6 +296,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
                 }
             }
             Floats rgb[3] = {zero, zero, zero};
+            if (tile.fringes > 0) fringes.SetRow(j, i);
             if (tile.bands == 0) {
                 Floats cover = hn::Min(hn::Max(hn::Sub(half, over[0]), zero), one);
                 if (tile.pass != nullptr) cover = hn::Mul(cover, hn::LoadU(tag, tile.pass + at));
@@ -247,6 +313,7 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
                         const float* const pass = tile.pass + b * kTilePixels;
                         cover = hn::Mul(cover, hn::LoadU(tag, pass + at));
                     }
+                    if (tile.fringes > 0) cover = hn::Mul(cover, fringes.At(b));
                     const float* const share = tile.band_rgb + b * 3;
                     for (int c = 0; c < 3; ++c)
                         rgb[c] = hn::MulAdd(cover, Constant(share[c]), rgb[c]);

@@ -71,12 +71,29 @@ struct ArcEdge {
     float per_x_x, per_x_y, per_y_x, per_y_y;  // d(x, y) for a pixel to the right, and down
 };
 
+// An edge with a profile across it (edge_profile.h), in steps of its table: over the distance from
+// a straight edge, in mm, or from an arc.
+struct FringeEdge {
+    float x[4] = {}, y[4] = {};  // from an arc's centre; straight: x is the distance
+    float radius = 0.0F;         // 0: straight
+    float per_mm = 0.0F;         // steps
+    float half = 0.0F;           // of a pixel's extent across the edge, steps
+    std::ptrdiff_t table = 0;    // first of its bands' tables
+};
+
 struct EdgeShade {
     int size = 0;  // pixels along the tile's side, at most kLargestEdgeTile
     // Of each traced wavelength, one wavelength after another; at most kTileEdges of either.
     int straight = 0, arcs = 0;
     const StraightEdge* straight_edges = nullptr;
     const ArcEdge* arc_edges = nullptr;
+    // Edges with a profile; only with dispersion. `fringe_start`: the place of an edge in its
+    // table.
+    int fringes = 0;
+    const FringeEdge* fringe_edges = nullptr;
+    const float* fringe_tables = nullptr;
+    int fringe_entries = 0;
+    float fringe_start = 0.0F;
     float light[3][4];  // at the corners
     // With dispersion: each band's share and how it leans on the traced wavelengths.
     int bands = 0;                          // 0: without

@@ -332,12 +332,23 @@ bool TileSolver::CheckMasks(std::size_t n, const TileLevel::Sheet& sheet, std::s
             // Nor does a rim that is nowhere near.
             if (truth < -2.0F * spread - off) continue;
         }
-        const float allowed =
-            static_cast<float>(tolerance_.edge_px) * spread / static_cast<float>(level_.size);
+        const float allowed = EdgeTolerance(f) * spread / static_cast<float>(level_.size);
         miss = miss || (off > allowed && !FarFromIris(corners, sheet, f));
     }
     if (miss) level_.bad[tile] = 1;
     return false;
+}
+
+// Of the edges that field f tells of, px: fringes need no more than a small part of their width.
+float TileSolver::EdgeTolerance(std::size_t f) const {
+    constexpr double kOfFringe = 0.04;
+    double px = tolerance_.edge_px;
+    if (ghost_.fringes && f < 2 * masks_.crossings.size()) {
+        const GhostFringes::Crossing& crossing =
+            ghost_.fringes->crossings[static_cast<std::size_t>(masks_.crossings[f / 2])];
+        if (crossing.rings) px = std::max(px, kOfFringe * crossing.fringe_px);
+    }
+    return static_cast<float>(px);
 }
 
 // Does the light at point n of the block pass all masks?
@@ -349,7 +360,9 @@ bool TileSolver::Passes(std::size_t n) const {
     for (std::size_t f = 0; f < crossings; f += 2) {
         const Vec2d p(static_cast<double>(block_.fields[f][n]),
                       static_cast<double>(block_.fields[f + 1][n]));
-        if (iris_.TransmissionAt(p) <= 0.0) return false;
+        if (iris_.reach_mm() > 0.0 ? iris_.Distance(p) > iris_.reach_mm()
+                                   : iris_.TransmissionAt(p) <= 0.0)
+            return false;
     }
     return true;
 }

@@ -46,6 +46,7 @@ class TileSolver {
                                            std::size_t n) const;
     bool CheckMasks(std::size_t n, const TileLevel::Sheet& sheet, std::size_t tile,
                     const std::array<std::size_t, 4>& corners, const std::array<float, 4>& w);
+    float EdgeTolerance(std::size_t f) const;
     bool Passes(std::size_t n) const;
     bool FarFromIris(const std::array<std::size_t, 4>& corners, const TileLevel::Sheet& sheet,
                      std::size_t f) const;

@@ -152,6 +152,14 @@ void Iris::SetMask(const IrisShape& shape, double opening_semi_diameter_mm, doub
     inner_radius_ = std::min(radius, picture_->clear_radius());
 }
 
+Iris Iris::Widened(double dark_mm, double lit_mm) const {
+    Iris wide = *this;
+    wide.outer_radius_ += dark_mm;
+    wide.inner_radius_ = std::max(0.0, wide.inner_radius_ - lit_mm);
+    wide.reach_mm_ = dark_mm;
+    return wide;
+}
+
 // How far the edges let the opening reach from the centre.
 double Iris::Reach(Vec2d direction) const {
     double reach = 1e300;

@@ -58,6 +58,10 @@ class Iris {
         double radius = 0.0;     // 0: straight
     };
 
+    // The same edges for light that fades out on either side of them: the outer radius is larger
+    // and the inner one smaller, by `dark_mm` and `lit_mm`.
+    Iris Widened(double dark_mm, double lit_mm) const;
+
     // Signed distance to edge k in mm: negative inside. The opening is where all are negative.
     int edge_count() const { return static_cast<int>(edges_.size()); }
     const Edge& edge(int k) const { return edges_[static_cast<std::size_t>(k)]; }
@@ -73,8 +77,10 @@ class Iris {
     double outer_radius() const { return outer_radius_; }
     // All light passes nearer to the centre than this, 0 if there is no such place.
     double inner_radius() const { return inner_radius_; }
-    // The same of the edges alone, above 0.
+    // The same of the edges alone, above 0 and not changed by widening.
     double edges_inner_radius() const { return edges_inner_radius_; }
+    // How far outside its edges light may pass: 0 unless widened.
+    double reach_mm() const { return reach_mm_; }
     // 1e-6 relative; by quadrature where the rim cuts the opening (1e-4 with a picture), so not for
     // a hot path.
     double area_mm2() const;
@@ -89,6 +95,7 @@ class Iris {
     std::vector<Edge> edges_;
     std::shared_ptr<const StopPicture> picture_;
     double outer_radius_ = 0.0, inner_radius_ = 0.0, edges_inner_radius_ = 0.0;
+    double reach_mm_ = 0.0;
     double area_mm2_ = 0.0;  // before rim and picture
     bool rim_cuts_ = false;
 };

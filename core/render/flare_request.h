@@ -73,6 +73,8 @@ struct ModelSpec {
     double four_reflection_threshold = 1e-3;
     bool sensor_reflection = false;  // ghosts that the sensor reflects; the lens must have one
     CullingRule culling = CullingRule::kAuto;
+    // Diffraction fringes where they can be seen (fringe_plan.h); on the wire the default.
+    bool ringing = false;
 };
 
 // What the picture is made of; one at least.

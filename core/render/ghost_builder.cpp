@@ -6,12 +6,16 @@
 #include "core/base/units.h"
 #include "core/image/cell_fits.h"
 #include "core/mesh/mesh_builder.h"
+#include "core/render/fringe_plan.h"
 #include "core/render/ghost_estimate.h"
 #include "core/render/light_meshes.h"
 #include "core/render/picture.h"
 
 namespace flare {
 namespace {
+
+// Wavelengths that colour fringes are drawn at, at least.
+constexpr int kFringeBands = 9;
 
 std::vector<double> BoundingWavelengths(const RenderScene& scene) {
     if (!scene.spectral()) {
@@ -69,17 +73,21 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
         work.rays_traced = found->mesh->rays_traced;
         work.ray_surfaces = found->mesh->ray_surfaces;
     }
-    const Iris& iris = scene_.iris;
+    const PictureMap map = MapFor(light);
+    FringePlan& plan = located.plan;
+    if (scene_.request.model.ringing) {
+        plan = PlanFringes(lens, *found->mesh, light, scene_.iris, map, scene_.spectral());
+    }
+    const Iris& iris = plan.fringes ? plan.fringes->iris : scene_.iris;
     auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
                                                         iris.outer_radius());
     if (surface->cells().empty()) return located;
 
-    const PictureMap map = MapFor(light);
     located.cells = CellsInWindow(*surface, bounded_nm_, iris, map,
                                   tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
     work.cells = located.cells.size();
     if (!located.cells.empty()) {
-        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, located.cells);
+        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, iris, map, located.cells);
         located.miss = MeshMissOf(*surface, in_frame, map);
         if (!scene_.spectral()) located.dispersion_px = DispersionPx(*surface, in_frame, map);
     }
@@ -98,14 +106,17 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
     Built built;
     built.work = located.work;
     built.miss = located.miss;
+    FringePlan& plan = located.plan;
+    built.ringing = plan.facts;
     if (!located.surface) return built;
     const GhostSurface& surface = *located.surface;
     std::vector<GhostLight::Cell>& cells = located.cells;
     const Lens& lens = scene_.lens;
-    const Iris& iris = scene_.iris;
+    const Iris& iris = plan.fringes ? plan.fringes->iris : scene_.iris;
     const LightBundle bundle = BundleOf(lens, light);
     if (with_flux) {
-        built.flux_mm2 = EstimateOf(surface, bundle, lens, flux_tables_, iris, light.pose).flux_mm2;
+        built.flux_mm2 =
+            EstimateOf(surface, bundle, lens, flux_tables_, scene_.iris, light.pose).flux_mm2;
     }
     const PictureMap map = MapFor(light);
     MaskFields masks;
@@ -118,15 +129,20 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
     }
     LightColour colour = ColourOf(light, weight);
     colour.dispersion_px = located.dispersion_px;
+    if (plan.fringes) colour.least_drawn = std::min(kFringeBands, colour.most_drawn);
     GhostLight& ghost = built.ghost.light;
     ghost = PrepareGhost(located.surface, bundle, lens, tables_, colour, std::move(cells));
+    if (plan.fringes) {
+        FillTables(scene_.iris, ghost, scene_.spectral(), *plan.fringes);
+        ghost.fringes = std::move(plan.fringes);
+    }
     if (ghost.bands.size() > 1) {
         built.dispersion_step_px =
             colour.dispersion_px / static_cast<double>(ghost.bands.size() - 1);
     }
     if (tile_picture_) {
         ghost.masks = std::move(masks);
-        built.ghost.tiles = TilesOf(ghost, iris, map, tile_picture_->padded(),
+        built.ghost.tiles = TilesOf(ghost, scene_.iris, map, tile_picture_->padded(),
                                     *scene_.settings.tiles, tile_picture_->unit());
     }
     return built;
@@ -134,13 +150,13 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
 
 // The cells of the whole frame, whatever window `cells` are those of.
 std::vector<GhostLight::Cell> GhostBuilder::InFrame(
-    const GhostSurface& surface, const PictureMap& map,
+    const GhostSurface& surface, const Iris& iris, const PictureMap& map,
     const std::vector<GhostLight::Cell>& cells) const {
     const PixelWindow frame{0, 0, scene_.request.image.width, scene_.request.image.height};
     if (!tile_picture_) {
         return scene_.window == frame
                    ? cells
-                   : CellsInWindow(surface, bounded_nm_, scene_.iris, map, WalkWindowOf(frame));
+                   : CellsInWindow(surface, bounded_nm_, iris, map, WalkWindowOf(frame));
     }
     const WalkWindow around = WalkWindowOf(tile_picture_->FromMiddle(frame));
     std::vector<GhostLight::Cell> touching;

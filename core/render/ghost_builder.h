@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/render/error_estimate.h"
+#include "core/render/fringe_plan.h"
 #include "core/render/ghost_light.h"
 #include "core/render/lights.h"
 #include "core/render/render_scene.h"
@@ -28,6 +29,7 @@ class GhostBuilder {
         std::vector<GhostLight::Cell> cells;          // that may reach the picture
         MeshMiss miss;
         double dispersion_px = 0.0;  // see LightColour; 0 in a spectral picture
+        FringePlan plan;
         Work work;
     };
     // Null when cancelled. Threads may call it at once.
@@ -37,6 +39,7 @@ class GhostBuilder {
         TiledGhost ghost;  // empty if none of it reaches the picture
         MeshMiss miss;
         std::optional<double> dispersion_step_px;  // if drawn at more than one wavelength
+        RingingFacts ringing;
         double flux_mm2 = 0.0;  // on the whole sensor plane, if asked for: see GhostFacts
         Work work;
     };
@@ -48,7 +51,8 @@ class GhostBuilder {
     // To the picture, or to the tiles'.
     PictureMap MapFor(const PlacedLight& light) const;
     LightColour ColourOf(const PlacedLight& light, double weight) const;
-    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const PictureMap& map,
+    std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const Iris& iris,
+                                          const PictureMap& map,
                                           const std::vector<GhostLight::Cell>& cells) const;
 
     const RenderScene& scene_;

@@ -4,10 +4,18 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/render/fringe_plan.h"
 #include "core/render/ghost_choice.h"
 
 namespace flare {
 namespace {
+
+GhostFacts FactsOf(const BounceSequence& sequence) {
+    GhostFacts facts;
+    facts.sequence = sequence;
+    facts.model = facts.ringing.model;
+    return facts;
+}
 
 constexpr int kGhostsPerBatch = 12;
 
@@ -32,7 +40,7 @@ GhostLayer::GhostLayer(const RenderScene& scene, const RenderContext& context, R
     MakePicture();
     builder_.emplace(scene, tile_picture_ ? &*tile_picture_ : nullptr, context);
     for (const BounceSequence& sequence : sequences_) {
-        report_.facts.ghosts.push_back({sequence, "geometric", 0.0});
+        report_.facts.ghosts.push_back(FactsOf(sequence));
     }
 }
 
@@ -83,7 +91,10 @@ void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> plan
         ghost.miss = built[n].miss;
         ghost.dispersion_step_px = built[n].dispersion_step_px.value_or(ghost.dispersion_step_px);
         error_.AddDrawn(ghost.sample, ghost.weight, ghost.dispersion_step_px, ghost.miss);
-        report_.facts.ghosts[ghost.index].flux_mm2 += built[n].flux_mm2;
+        GhostFacts& facts = report_.facts.ghosts[ghost.index];
+        facts.flux_mm2 += built[n].flux_mm2;
+        JoinRinging(built[n].ringing, facts.ringing);
+        facts.model = facts.ringing.model;
         AddWork(built[n].work);
         ghosts.push_back(std::move(built[n].ghost));
     }
@@ -158,7 +169,7 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     report_.work.rays_traced += choice->rays_traced;
     for (const BounceSequence& sequence : choice->sequences) {
         const auto [known, added] = fours_.emplace(sequence, facts.ghosts.size());
-        if (added) facts.ghosts.push_back({sequence, "geometric", 0.0});
+        if (added) facts.ghosts.push_back(FactsOf(sequence));
         ghosts_of_light.push_back(known->second);
     }
     four.rendered = fours_.size();

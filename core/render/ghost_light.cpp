@@ -201,7 +201,8 @@ int DrawnWavelengths(const LightColour& colour) {
     const double px = colour.dispersion_px;
     // One wavelength a step; but a small picture gets one a pixel, up to five.
     const double steps = std::max(px / colour.dispersion_step_px, std::min(px, 5.0));
-    return 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
+    return std::max(colour.least_drawn,
+                    2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0)));
 }
 
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
@@ -236,7 +237,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     for (std::size_t b = 0; b < drawn.size(); ++b) {
         ghost.bands.push_back({NodeWeights(traced, drawn[b]),
                                std::vector<double>(points * channels, 0.0),
-                               colour.spectral ? static_cast<int>(b) : 0});
+                               colour.spectral ? static_cast<int>(b) : 0, drawn[b]});
     }
 
     std::vector<std::uint32_t> point_of;

@@ -26,7 +26,7 @@ struct LightColour {
     double dispersion_px = 0.0;                         // colour: DispersionPx over the full frame
     double dispersion_step_px = 4.0;
     double light_tolerance = 2e-4;  // relative, of light interpolated between the cell's corners
-    int most_drawn = 24;
+    int least_drawn = 2, most_drawn = 24;
 };
 
 // Does a cell touch the window?

@@ -39,7 +39,7 @@ PhotonLayer::PhotonLayer(const RenderScene& scene, const RenderContext& context,
       sum_(scene.window.pixels() * scene.channel_count(), 0.0),
       squares_(sum_.size(), 0.0) {
     for (const BounceSequence& sequence : sequences_) {
-        report_.facts.ghosts.push_back({sequence, "photon", 0.0});
+        report_.facts.ghosts.push_back({sequence, "photon", 0.0, {}});
     }
 }
 

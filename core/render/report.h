@@ -22,11 +22,26 @@ struct LightFacts {
     Vec2d pixel{0.0, 0.0};      // the same in the full frame
 };
 
+// Diffraction fringes of a ghost (fringe_plan.h), of the light and at the passage through the stop
+// where they show most.
+struct RingingFacts {
+    std::string model = "geometric";  // "edge_profile", "propagation"
+    // "visible"; or what hides them: "source", "pixel", "focus" (a pattern that is no profile along
+    // an edge), "mask" (of an iris with a picture), "not_traced" (too few rays arrive).
+    std::string reason;
+    double weight = 0.0;  // of the pattern over a sharp edge, 0..1
+    double z_mm = 0.0;    // over which the light of the stop spreads
+    double fresnel_number = 0.0;
+    double fringe_px = 0.0;  // from the geometric edge to the first maximum
+};
+
 struct GhostFacts {
     std::vector<int> sequence;
-    std::string model;      // which physics ran for it: "geometric", or "culled" for every light
+    // Which physics ran for it: RingingFacts::model, or "culled" for every light.
+    std::string model;
     double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
                             // line (or the first wavelength of a spectral request)
+    RingingFacts ringing;
 };
 
 // The ghosts of four reflections, where they were asked for; sums over the lights.

@@ -107,7 +107,7 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
             if (cancel.cancelled()) return;
             Drawn& sum = drawn[static_cast<std::size_t>(s)];
             DrawSmooth(ghost.tiles, strip, sum);
-            DrawEdges(ghost.tiles, iris, strip, sum);
+            DrawEdges(ghost, iris, strip, sum);
             if (ghost.tiles.any_left) DrawLeft(ghost, iris, map, tolerance, strip, sum);
         }
     });
@@ -135,8 +135,10 @@ void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn&
     }
 }
 
-void TilePicture::DrawEdges(const GhostTiles& tiles, const Iris& iris, const Strip& strip,
+void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip,
                             Drawn& drawn) {
+    const GhostTiles& tiles = ghost.tiles;
+    const GhostFringes* const fringes = ghost.light.fringes.get();
     TilePixels pixels;
     std::vector<float> pass;
     for (const EdgeTile& tile : tiles.edges) {
@@ -151,6 +153,13 @@ void TilePicture::DrawEdges(const GhostTiles& tiles, const Iris& iris, const Str
         shade.arc_edges = tiles.arc_edges.data() + tile.arcs_at;
         for (std::size_t n = 0; n < 4; ++n) {
             for (std::size_t c = 0; c < 3; ++c) shade.light[c][n] = tile.corners[n][c];
+        }
+        if (tile.fringes > 0) {
+            shade.fringes = tile.fringes;
+            shade.fringe_edges = tiles.fringe_edges.data() + tile.fringes_at;
+            shade.fringe_tables = fringes->tables.data();
+            shade.fringe_entries = fringes->entries;
+            shade.fringe_start = static_cast<float>(fringes->dark_t / fringes->step_t);
         }
         if (tile.dispersed) {
             shade.bands = static_cast<int>(tiles.band_weights.size() / kTracedInTiles);

@@ -57,7 +57,7 @@ class TilePicture {
     };
 
     void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
-    void DrawEdges(const GhostTiles& tiles, const Iris& iris, const Strip& strip, Drawn& drawn);
+    void DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
                   const WalkTolerance& tolerance, Strip& strip, Drawn& drawn);
     void DrawBlock(const TiledGhost& ghost, const PixelWindow& block, const Iris& iris,

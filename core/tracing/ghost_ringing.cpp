@@ -10,12 +10,8 @@
 namespace flare {
 namespace {
 
-// Where Fresnel's integrals have their first maximum behind a straight edge.
-constexpr double kFirstMaximum = 1.2172;
 // First bright ring of Airy's pattern, in lambda |B2| / a.
 constexpr double kAiryRing = 0.817;
-// From here on the edge is straight on the scale of its fringes.
-constexpr double kManyFresnelZones = 50.0;
 constexpr double kLeastFringe_px = 0.5;
 
 // Maxima before the bandwidth has moved a fringe onto its neighbour: v^2 grows by 4 from one to the
@@ -48,7 +44,7 @@ GhostRinging RingingOf(const ParaxialPath& path, std::size_t crossing,
     ringing.fresnel_number = a * a / (lambda * std::abs(ringing.z_eff_mm));
     // |m| sqrt(lambda |z_eff| / 2) = sqrt(lambda |B2 A / A1| / 2); in focus the aperture's own
     // ring.
-    const double edge = kFirstMaximum * std::sqrt(0.5 * lambda * std::abs(second.b * ringing.m));
+    const double edge = kFirstFringe * std::sqrt(0.5 * lambda * std::abs(second.b * ringing.m));
     const double ring = kAiryRing * lambda * std::abs(second.b) / a;
     ringing.fringe_mm = std::max(edge, ring);
     // d(sensor) / d(angle) with the place in the stop held.

@@ -3,7 +3,7 @@
 // Would the edges of a ghost show diffraction fringes, and by which model should they be drawn? A
 // first-order answer for light from infinity, at one passage through the stop: the ghost is the
 // Fresnel pattern of the stop after z_eff = B2 A1 / A, magnified by m = A / A1 (Collins' integral
-// with the front's curvature C1 / A1; docs/physics/wave.md). Nothing is drawn by it yet.
+// with the front's curvature C1 / A1; docs/physics/wave.md).
 //
 // A fringe is the distance from the geometric edge to the first maximum. Three things wash it out:
 // the source's disc, which moves the edge by d(sensor) / d(angle) at a fixed stop point; the pixel;
@@ -13,6 +13,11 @@
 #include "core/tracing/paraxial_ghost.h"
 
 namespace flare {
+
+// Where Fresnel's integrals have their first maximum behind a straight edge, in v.
+inline constexpr double kFirstFringe = 1.2172;
+// From this Fresnel number on the edge is straight on the scale of its fringes.
+inline constexpr double kManyFresnelZones = 50.0;
 
 struct RingingConditions {
     double aperture_radius_mm = 0.0;  // of the opening in the stop

@@ -164,8 +164,17 @@ void WriteLights(JsonWriter& json, const std::vector<LightFacts>& lights) {
 // What physics ran, as against what was asked for.
 void WriteModel(JsonWriter& json, const ModelSpec& model) {
     json.Key("model").BeginInlineObject().Member("reflections", model.reflections);
-    json.Member("ringing", "off").Member("sensor_reflection", model.sensor_reflection);
+    json.Member("ringing", model.ringing ? "auto" : "off")
+        .Member("sensor_reflection", model.sensor_reflection);
     json.Member("culling", CullingName(model.culling)).End();
+}
+
+// Why it rings, or does not; nothing for a ghost that was never drawn.
+void WriteRinging(JsonWriter& json, const RingingFacts& facts) {
+    if (facts.reason.empty()) return;
+    json.Key("ringing").BeginInlineObject().Member("reason", facts.reason);
+    json.Member("weight", facts.weight).Member("z_mm", facts.z_mm);
+    json.Member("fresnel_number", facts.fresnel_number).Member("fringe_px", facts.fringe_px).End();
 }
 
 // Ghosts of four reflections can be a hundred thousand: all are counted, the first are listed.
@@ -176,7 +185,9 @@ void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
     for (std::size_t i = 0; i < listed; ++i) {
         json.BeginInlineObject();
         WriteSequence(json, ghosts[i].sequence);
-        json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2).End();
+        json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2);
+        WriteRinging(json, ghosts[i].ringing);
+        json.End();
     }
     json.End();
 }

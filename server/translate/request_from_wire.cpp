@@ -64,10 +64,9 @@ CullingRule CullingFromWire(wire::Culling culling) {
     return CullingRule::kAuto;
 }
 
-// Ringing is not built: "auto" and "off" both mean none.
 ModelSpec ModelFromWire(const wire::Model& model) {
     return {model.reflections, model.four_reflection_threshold, model.sensor_reflection,
-            CullingFromWire(model.culling)};
+            CullingFromWire(model.culling), model.ringing == wire::Ringing::kAuto};
 }
 
 PhotonSpec PhotonFromWire(const wire::Photon& photon) {

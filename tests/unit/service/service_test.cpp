@@ -114,7 +114,7 @@ TEST_F(Service, ReportsWhatItDid) {
     EXPECT_EQ(root.Find("clamped")->child_count(), 1u);
     EXPECT_EQ(root.Find("ghosts")->child_count(), 6u);
     EXPECT_EQ(root.Find("lights")->child_count(), 1u);
-    EXPECT_EQ(root.Find("model")->Find("ringing")->string(), "off");
+    EXPECT_EQ(root.Find("model")->Find("ringing")->string(), "auto");
     EXPECT_EQ(root.Find("model")->Find("culling")->string(), "auto");
     const wire::JsonView error = *root.Find("estimated_error");
     double parts = 0.0;
