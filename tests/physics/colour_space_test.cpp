@@ -60,29 +60,27 @@ TEST(ColourlessLens, GivesWhiteLightEqualChannelsInEverySpace) {
     }
     const auto lens = *testing::BuildLens(prescription)->WithCoatings({"bare", {}, {}});
     testing::Studio studio;
-    for (const QualityPreset quality : {QualityPreset::kDraft, QualityPreset::kPreview}) {
-        FlareRequest request = SmallRequest(lens, quality);
-        const auto check = [&](const char* what) {
-            const FlareImage image = studio.Shoot(request).image;
-            double worst = 0.0, brightest = 0.0;
-            for (std::size_t i = 0; i < image.data.pixels(); ++i) {
-                brightest = std::max(brightest, Largest(Pixel(image, i)));
-            }
-            for (std::size_t i = 0; i < image.data.pixels(); ++i) {
-                const Vec3d rgb = Pixel(image, i);
-                if (Largest(rgb) < 1e-6 * brightest) continue;
-                worst = std::max(worst, Largest(rgb - Vec3d(rgb.y, rgb.y, rgb.y)) / Largest(rgb));
-            }
-            EXPECT_GT(brightest, 0.0);
-            EXPECT_LT(worst, 1e-4) << what;
-        };
-        for (const ColorMode space : kSpaces) {
-            request.color = space;
-            check("space");
+    FlareRequest request = SmallRequest(lens, QualityPreset::kPreview);
+    const auto check = [&](const char* what) {
+        const FlareImage image = studio.Shoot(request).image;
+        double worst = 0.0, brightest = 0.0;
+        for (std::size_t i = 0; i < image.data.pixels(); ++i) {
+            brightest = std::max(brightest, Largest(Pixel(image, i)));
         }
-        request.camera = SomeCamera();
-        check("camera");
+        for (std::size_t i = 0; i < image.data.pixels(); ++i) {
+            const Vec3d rgb = Pixel(image, i);
+            if (Largest(rgb) < 1e-6 * brightest) continue;
+            worst = std::max(worst, Largest(rgb - Vec3d(rgb.y, rgb.y, rgb.y)) / Largest(rgb));
+        }
+        EXPECT_GT(brightest, 0.0);
+        EXPECT_LT(worst, 1e-4) << what;
+    };
+    for (const ColorMode space : kSpaces) {
+        request.color = space;
+        check("space");
     }
+    request.camera = SomeCamera();
+    check("camera");
 }
 
 TEST(ColourSpaces, OfOnePictureDifferByTheirMatrixAlone) {

@@ -28,11 +28,12 @@ inline constexpr double kExpectedT2 = kFreedom / (kFreedom - 2.0);
 // Blocks with less light than this share of the mean hold too few photons for a normal spread.
 inline constexpr double kCountedBlock = 0.2;
 
-// `request` at the reference preset, by mesh and by photons with this many samples a ghost.
+// `request` by mesh at a preset, and by photons with this many samples a ghost.
 inline PhotonAgreement Agreement(FlareRequest request, std::int64_t samples, std::uint64_t seed,
-                                 Studio& studio) {
-    request.quality = QualityPreset::kReference;
+                                 Studio& studio, QualityPreset preset = QualityPreset::kReference) {
+    request.quality = preset;
     const FlareImage mesh = studio.Shoot(request).image;
+    request.quality = QualityPreset::kReference;
     PhotonSpec photon;
     photon.samples = samples;
     photon.seed = seed;
