@@ -11,9 +11,9 @@
 namespace flare {
 namespace {
 
-constexpr double kStraight = 0.1;  // cells
+constexpr double kStraight = 0.25;  // cells
 // So short a stretch between sides that are long is a corner that the cells have rounded, cells.
-constexpr double kRounded = 4.0, kLong = 4.0;
+constexpr double kRounded = 10.0, kLong = 6.0;
 constexpr double kCorner_rad = 20.0 * kPi / 180.0;
 constexpr int kSidesAcross = 24;  // of the picture: longer sides are cut, since they bend
 
@@ -99,7 +99,7 @@ Loop Sharpened(const Loop& loop, double cell) {
             b > a && length <= kRounded * cell && std::abs(Turn(p, q)) > kCorner_rad;
         const Vec2d corner =
             rounded ? at(a) + p * ((at(b) - at(a)).cross(q) / p.cross(q)) : Vec2d(0.0, 0.0);
-        if (rounded && (corner - at(a)).length() < 2.0 * kRounded * cell) {
+        if (rounded && (corner - at(a)).length() < kRounded * cell) {
             out.push_back(corner);
             continue;
         }

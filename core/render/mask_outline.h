@@ -2,7 +2,7 @@
 //
 // The edge of the beam that forms a light's image, where the iris has a picture: its outlines taken
 // back from the stop to the plane across the beam, cut by what blades and rims let through.
-// Outlines are straightened to a tenth of the picture's cell; where they turn by more than 20
+// Outlines are straightened to a quarter of the picture's cell; where they turn by more than 20
 // degrees at once is a corner. Shades of grey are not in them. Some ten rays a point.
 #pragma once
 
