@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kOpenTrackIoPort = 55'555;
 constexpr double kMaxWait_ms = 3.6e6;
+constexpr int kMostIndex = 1'000'000'000;
 
 Error BadConfig(std::string message, const toml::source_region& source) {
     return {"bad_config", std::move(message), WhereOf(source)};
@@ -49,6 +50,7 @@ constexpr std::array kKeys{
     KindsOfKey{"vendor", kUsb, Of(EncoderKind::kHid)},
     KindsOfKey{"product", kUsb, Of(EncoderKind::kHid)},
     KindsOfKey{"axis", Of(EncoderKind::kQsb)},
+    KindsOfKey{"index", Of(EncoderKind::kQsb)},
     KindsOfKey{"report", Of(EncoderKind::kHid)},
     KindsOfKey{"focus_field", Of(EncoderKind::kHid)},
     KindsOfKey{"iris_field", Of(EncoderKind::kHid)},
@@ -212,6 +214,9 @@ class EncoderReader {
         if (key == "vendor") return ReadWhole(node, 0, 0xffff, config_.vendor.emplace());
         if (key == "product") return ReadWhole(node, 0, 0xffff, config_.product.emplace());
         if (key == "axis") return ReadAxisName(node, config_.axis);
+        if (key == "index") {
+            return ReadWhole(node, -kMostIndex, kMostIndex, config_.index_count.emplace());
+        }
         if (key == "report") return ReadWhole(node, 0, 255, config_.hid.report.emplace());
         for (const LensAxis axis : kLensAxes) {
             if (key != std::string(Name(axis)) + "_field") continue;

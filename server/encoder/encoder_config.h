@@ -39,6 +39,7 @@ struct EncoderConfig {
     std::optional<int> vendor, product;  // qsb, cooke, hid: USB ids
     std::string serial;                  // and serial number; "": any
     LensAxis axis = LensAxis::kFocus;    // qsb: the ring it sits on
+    std::optional<int> index_count;  // qsb: the count at the index mark; none: it is passed over
     HidMap hid;
 };
 

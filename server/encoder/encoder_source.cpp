@@ -2,6 +2,8 @@
 #include "server/encoder/encoder_source.h"
 
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -9,6 +11,12 @@
 #include <chrono>
 
 namespace flare {
+
+void GoBeforeRequests() {
+    pthread_setname_np(pthread_self(), "encoder");
+    const sched_param lowest{sched_get_priority_min(SCHED_RR)};
+    pthread_setschedparam(pthread_self(), SCHED_RR, &lowest);
+}
 
 StopSignal::StopSignal() : fd_(eventfd(0, EFD_CLOEXEC)) {
     FLARE_CHECK(fd_ >= 0);

@@ -37,6 +37,11 @@ class StopSignal {
     int fd_;
 };
 
+// Lets the calling thread go before all ordinary ones (SCHED_RR at its lowest priority), so that
+// requests that keep every core busy do not make a reading late. Where that is not allowed the
+// thread stays as it is. For threads whose work is bounded by the speed of a wire.
+void GoBeforeRequests();
+
 // A thread that ends when its owner does. It is the last member of a source.
 class SourceThread {
   public:

@@ -2,7 +2,7 @@
 #include "server/encoder/qsb.h"
 
 #include <charconv>
-#include <string>
+#include <cstdio>
 
 namespace flare {
 namespace {
@@ -16,6 +16,16 @@ std::optional<std::uint32_t> Hex(std::string_view digits) {
 }
 
 }  // namespace
+
+std::string QsbSetUp(std::optional<int> index_count) {
+    // MDR0: bits 0 and 1 quadrature times four, bits 4 and 5 the index: off, or load the preset.
+    char preset[40] = "W0303\n";
+    if (index_count) {
+        std::snprintf(preset, sizeof preset, "W08%08X\nW0313\n",
+                      static_cast<unsigned>(*index_count));
+    }
+    return std::string("W1505\nW0000\n") + preset + "W0C0001\nR14\n";
+}
 
 Result<QsbReply> DecodeQsb(std::string_view line) {
     const Error bad{"bad_data", "not an answer of a QSB", ""};

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
@@ -21,6 +22,12 @@ struct QsbReply {
     std::uint32_t data = 0;
     std::optional<std::uint32_t> stamp;
 };
+
+// The commands that set one up: line feeds and time stamps behind each answer, quadrature with four
+// counts a cycle, the shortest interval (1.9 ms), and its version asked for. With `index_count` the
+// counter takes that count each time the encoder's index mark passes: it is the preset (register
+// 08) of the counter chip LS7366R, whose mode register MDR0 (03) says what the index does.
+std::string QsbSetUp(std::optional<int> index_count);
 
 // One line without its end. Error code "bad_data".
 Result<QsbReply> DecodeQsb(std::string_view line);

@@ -9,9 +9,6 @@ namespace flare {
 namespace {
 
 constexpr int kBaud = 230'400;
-// Terminators: line feed (bit 0) and time stamp (bit 2). Quadrature. The shortest interval.
-// Version.
-constexpr char kSetUp[] = "W1505\nW0000\nW0C0001\nR14\n";
 constexpr char kStream[] = "S0E\n";
 constexpr int kVersionRegister = 0x14;
 constexpr double kPatience_s = 1.0;
@@ -26,7 +23,7 @@ std::optional<UsbProblem> QsbTalk::Run(const UsbFound& found) {
 
 // The device is known to be a QSB when it has told its version.
 std::optional<UsbProblem> QsbTalk::Begin(const UsbFound& found) {
-    if (auto problem = port_.Write(kSetUp)) return problem;
+    if (auto problem = port_.Write(QsbSetUp(track_.config().index_count))) return problem;
     const double end_s = EncoderClock::Now_s() + kPatience_s;
     while (!stop_.set() && EncoderClock::Now_s() < end_s) {
         UsbRead read = port_.Read();

@@ -36,7 +36,8 @@ class UsbEncoder final : public EncoderSource {
   private:
     void Run(const StopSignal& stop) {
         const UsbWanted wanted = WantedBy(track_.config());
-        Port port;
+        Port port;  // libusb starts a thread of its own here, which stays ordinary
+        GoBeforeRequests();
         while (!stop.set()) {
             UsbFound found = FindUsbDevice(port.context(), wanted);
             std::optional<UsbProblem> problem = std::move(found.problem);

@@ -4,12 +4,14 @@ decoders and the calibration to the picture."""
 import os
 import subprocess
 import threading
+import time
 import unittest
 
 from encoder_checks import EncoderChecks, without_encoder_attributes
-from harness import PATIENCE_S, eventually, exr_attributes, small_request
+from harness import PATIENCE_S, at_once, eventually, exr_attributes, small_request
 
 SIMULATOR = os.environ["USB_SIMULATOR"]
+PULLS = 100
 
 QSB = """
 [[encoder]]
@@ -182,7 +184,7 @@ class UsbEncoderScenario(EncoderChecks):
             threads = [threading.Thread(target=ask) for _ in range(2)]
             for thread in threads:
                 thread.start()
-            for i in range(10):
+            for i in range(PULLS):
                 bus("remove h")
                 self.await_health(daemon, "box", "lost")
                 samples = self.metric(daemon, "samples_total", "box")
@@ -194,8 +196,36 @@ class UsbEncoderScenario(EncoderChecks):
             for thread in threads:
                 thread.join()
             self.assertEqual(failed, [])
-            self.assertEqual(self.metric(daemon, "faults_total", "box", kind="unplugged"), 10)
+            self.assertEqual(self.metric(daemon, "faults_total", "box", kind="unplugged"), PULLS)
             self.assertIn("encoder box: unplugged", daemon.log())
+
+    def test_two_devices_at_285_records_a_second_lose_none_under_load(self):
+        with Bus() as bus, self.daemon(QSB + COOKE) as daemon:
+            for name, kind, serial in (("q", "qsb", "1"), ("c", "cooke", "FT0001")):
+                bus(f"add {name} {kind} {serial}")
+                bus(f"set {name} 0 280")
+                bus(f"number {name}")  # each record says which it is
+                bus(f"period {name} 3509")
+            self.await_health(daemon, "ring", "live")
+            self.await_health(daemon, "A-cam", "live")
+            before = {name: int(bus("sent " + name).split()[0]) for name in "qc"}
+            end = time.monotonic() + 2
+            while time.monotonic() < end:
+                for reply in at_once(64, lambda i: daemon.flare(small_request(encoder="ring"))):
+                    self.assert_ok(reply)
+            bus("fault q silence")
+            bus("fault c silence")
+            sent = {name: int(bus("sent " + name).split()[0]) for name in "qc"}
+            for device, name in (("q", "ring"), ("c", "A-cam")):
+                self.assertGreater(sent[device], before[device] + 2 * 285 - 10)
+                self.assertTrue(eventually(
+                    lambda d=device, n=name:
+                    self.metric(daemon, "samples_total", n) == sent[d]), (name, sent))
+                self.assertEqual(sum(self.encoder(daemon, name)["faults"].values()), 0)
+            # As many as were sent, and the last is the last: none is missing, none came twice.
+            self.assertEqual(self.encoder(daemon, "ring")["raw"]["focus"], sent["q"] - 1)
+            self.assertAlmostEqual(self.encoder(daemon, "A-cam")["state"]["focus_m"],
+                                   (sent["c"] - 1) / 1000)
 
 
 if __name__ == "__main__":

@@ -25,6 +25,13 @@ TEST(Qsb, ReadsAnswersWithAndWithoutStamp) {
     EXPECT_EQ(stamped->stamp, 0xabcdu);
 }
 
+// The registers by the maker's list of commands, MDR0 by the data sheet of LS7366R.
+TEST(Qsb, IsSetUpWithOrWithoutItsIndex) {
+    EXPECT_EQ(QsbSetUp(std::nullopt), "W1505\nW0000\nW0303\nW0C0001\nR14\n");
+    EXPECT_EQ(QsbSetUp(0x1234), "W1505\nW0000\nW0800001234\nW0313\nW0C0001\nR14\n");
+    EXPECT_EQ(QsbSetUp(-2), "W1505\nW0000\nW08FFFFFFFE\nW0313\nW0C0001\nR14\n");
+}
+
 TEST(Qsb, RefusesWhatIsNoAnswer) {
     for (const char* line :
          {"", "!", "r", "r0E0000123", "r0E0000123G", "r0E000012345", "x0E00001234", "rxE00001234",

@@ -5,14 +5,19 @@
 #include "server/encoder/usb_encoder.h"
 
 #include <gtest/gtest.h>
+#include <linux/capability.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -131,8 +136,136 @@ TEST(UsbEncoder, SurvivesAHundredPullsOfTheCable) {
     EXPECT_EQ(Faults(track, EncoderFault::kUnplugged), 100u);
 }
 
-// A program that runs as root is never denied anything, so the code is given by hand.
-TEST(UsbEncoder, WantOfPermissionNamesTheRule) {
+TEST(UsbEncoder, ATwinIsRefusedUntilASerialNumberTellsThem) {
+    Bus bus;
+    bus.Do("add a hid 1");
+    bus.Do("add b hid 2");
+    bus.Do("set b 22 0");
+    std::vector<EncoderConfig> configs{Box(), Box()};
+    configs[1].name = "second";
+    configs[1].serial = "2";
+    const auto set = EncoderSet::Start(configs, [](bool, const std::string&) {});
+    ASSERT_TRUE(set);
+    const EncoderTrack& any = *(*set)->Find("box");
+    const EncoderTrack& second = *(*set)->Find("second");
+    ASSERT_TRUE(Eventually([&] { return Faults(any, EncoderFault::kAmbiguous) > 0; }));
+    EXPECT_EQ(any.Status(EncoderClock::Now_s()).health, EncoderHealth::kFailed);
+    ASSERT_TRUE(Eventually([&] { return second.samples() > 0; }));
+    EXPECT_EQ(second.Newest()->raw[0], 22.0);
+}
+
+EncoderConfig Ring(const std::string& name, const std::string& serial, LensAxis axis) {
+    EncoderConfig config;
+    config.name = name;
+    config.kind = EncoderKind::kQsb;
+    config.serial = serial;
+    config.axis = axis;
+    return config;
+}
+
+bool Awaits(const EncoderTrack& track, LensAxis axis, double count) {
+    return Eventually([&] {
+        const auto newest = track.Newest();
+        return newest && newest->raw[Index(axis)] == count;
+    });
+}
+
+TEST(UsbEncoder, SeveralQsbsAreToldByTheirSerialNumbers) {
+    Bus bus;
+    const std::vector<EncoderConfig> configs{Ring("focus", "11", LensAxis::kFocus),
+                                             Ring("iris", "12", LensAxis::kIris),
+                                             Ring("zoom", "13", LensAxis::kZoom)};
+    const auto set = EncoderSet::Start(configs, [](bool, const std::string&) {});
+    ASSERT_TRUE(set);
+    for (const int serial : {13, 11, 12}) {
+        const std::string name = "q" + std::to_string(serial);
+        bus.Do("add " + name + " qsb " + std::to_string(serial));
+        bus.Do("set " + name + " " + std::to_string(100 * serial) + " 0");
+    }
+    for (std::size_t i = 0; i < configs.size(); ++i) {
+        const EncoderTrack& track = *(*set)->Find(configs[i].name);
+        EXPECT_TRUE(Awaits(track, kLensAxes[i], 100.0 * static_cast<double>(11 + i)));
+        EXPECT_EQ(Faults(track, EncoderFault::kAmbiguous), 0u);
+    }
+}
+
+TEST(UsbEncoder, AQsbTakesItsCountFromTheIndexMark) {
+    Bus bus;
+    std::vector<EncoderConfig> configs{Ring("with", "1", LensAxis::kFocus),
+                                       Ring("without", "2", LensAxis::kFocus)};
+    configs[0].index_count = -500;
+    const auto set = EncoderSet::Start(configs, [](bool, const std::string&) {});
+    ASSERT_TRUE(set);
+    const EncoderTrack& with = *(*set)->Find("with");
+    const EncoderTrack& without = *(*set)->Find("without");
+    for (const char* name : {"1", "2"}) {
+        bus.Do(std::string("add ") + name + " qsb " + name);
+        bus.Do(std::string("set ") + name + " 70 0");
+    }
+    EXPECT_TRUE(Awaits(with, LensAxis::kFocus, 70));
+    EXPECT_TRUE(Awaits(without, LensAxis::kFocus, 70));
+    for (const char* name : {"1", "2"}) {
+        bus.Do(std::string("index ") + name);
+        bus.Do(std::string("set ") + name + " 100 0");
+    }
+    EXPECT_TRUE(Awaits(with, LensAxis::kFocus, -470));
+    EXPECT_TRUE(Awaits(without, LensAxis::kFocus, 100));
+}
+
+// The capability that lets root open every file, taken from this thread and from those that it
+// starts meanwhile.
+class WithoutOverride {
+  public:
+    WithoutOverride() {
+        EXPECT_EQ(syscall(SYS_capget, &header_, old_.data()), 0);
+        std::array<__user_cap_data_struct, 2> less = old_;
+        less[0].effective &= ~((1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH));
+        EXPECT_EQ(syscall(SYS_capset, &header_, less.data()), 0);
+    }
+    ~WithoutOverride() { EXPECT_EQ(syscall(SYS_capset, &header_, old_.data()), 0); }
+    WithoutOverride(const WithoutOverride&) = delete;
+    WithoutOverride& operator=(const WithoutOverride&) = delete;
+
+  private:
+    __user_cap_header_struct header_{_LINUX_CAPABILITY_VERSION_3, 0};
+    std::array<__user_cap_data_struct, 2> old_{};
+};
+
+TEST(UsbEncoder, IsDeniedUntilTheRuleIsThereAndSaysSoOnce) {
+    Bus bus;
+    bus.Do("add h hid 7");
+    bus.Do("deny h");
+    std::mutex mutex;
+    std::vector<std::string> lines;
+    const auto told = [&](const char* what) {
+        const std::lock_guard lock(mutex);
+        return std::count_if(lines.begin(), lines.end(), [&](const std::string& line) {
+            return line.find(what) != std::string::npos;
+        });
+    };
+    Result<std::unique_ptr<EncoderSet>> set = Error{"", "", ""};
+    {
+        const WithoutOverride as_any_user;
+        set = EncoderSet::Start({Box()}, [&](bool, const std::string& line) {
+            const std::lock_guard lock(mutex);
+            lines.push_back(line);
+        });
+    }
+    ASSERT_TRUE(set);
+    const EncoderTrack& track = *(*set)->Find("box");
+    const auto denied = [&] { return Faults(track, EncoderFault::kDenied); };
+    ASSERT_TRUE(Eventually([&] { return denied() >= 3; }));
+    const EncoderStatus status = track.Status(EncoderClock::Now_s());
+    EXPECT_EQ(status.health, EncoderHealth::kFailed);
+    EXPECT_NE(status.problem.find("deploy/udev/60-flared-encoders.rules"), std::string::npos);
+    EXPECT_EQ(told("no permission"), 1) << "once a change";
+    bus.Do("allow h");
+    ASSERT_TRUE(Eventually([&] { return track.connected(); }));
+    EXPECT_EQ(track.Status(EncoderClock::Now_s()).problem, "");
+    EXPECT_EQ(told("connected to"), 1);
+}
+
+TEST(UsbEncoder, ErrorsOfLibusbAreNamed) {
     const UsbProblem problem = UsbProblemFrom(LIBUSB_ERROR_ACCESS, "opening the device");
     EXPECT_EQ(problem.fault, EncoderFault::kDenied);
     EXPECT_NE(problem.text.find("deploy/udev/60-flared-encoders.rules"), std::string::npos);
