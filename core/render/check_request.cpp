@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/render/check_layers.h"
 #include "core/render/lights.h"
 #include "core/render/renderer.h"
 
@@ -94,7 +95,7 @@ std::optional<Error> CheckLight(const LightSpec& light, std::size_t index) {
 }
 
 std::optional<Error> CheckStarburst(const FlareRequest& request) {
-    if (!request.layers.ghosts && !request.layers.starburst)
+    if (!request.layers.ghosts && !request.layers.starburst && !request.layers.bokeh)
         return Bad("/layers", "no layer is asked for");
     const StarburstSpec& spec = request.starburst;
     if (!(spec.jitter_deg >= 0.0 && spec.jitter_deg <= kMaxJitter_deg)) {
@@ -109,8 +110,9 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
-        if (diameter > 0.0 && request.layers.ghosts) {
-            return Bad(place, "ghosts of lights that are no points are not built", "unsupported");
+        if (diameter > 0.0 && (request.layers.ghosts || request.layers.bokeh)) {
+            return Bad(place, "ghosts and bokeh of lights that are no points are not built",
+                       "unsupported");
         }
     }
     return std::nullopt;
@@ -159,6 +161,7 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
     }
     if (auto error = CheckModel(request)) return error;
     if (auto error = CheckStarburst(request)) return error;
+    if (auto error = CheckLayers(request)) return error;
     const IrisShape& iris = request.iris;
     if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
         return Bad("/iris/blades", "must be 0 (round) or 3 to 32");

@@ -40,9 +40,14 @@ GhostBuilder::GhostBuilder(const RenderScene& scene, const TilePicture* tile_pic
                    context.threads),
       bounded_nm_(BoundingWavelengths(scene)) {}
 
-// Of a ghost that is drawn with a weight.
-LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) const {
+// Of a ghost that is drawn with a weight, and with what an artist asks of it.
+LightColour GhostBuilder::ColourOf(const PlacedLight& light, const BounceSequence& sequence,
+                                   double weight) const {
     LightColour colour;
+    if (const ArtistGhost* artist = ArtistOf(scene_.request, sequence)) {
+        weight *= artist->gain;
+        colour.tint = artist->tint;
+    }
     colour.spectral = scene_.spectral();
     colour.irradiance = weight * light.irradiance.x;
     if (!colour.spectral) colour.power = LightSpectrum(light.irradiance * weight);
@@ -83,7 +88,7 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         CellsInWindow(*surface, bounded_nm_, iris, map,
                       tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
     built.work.cells = cells.size();
-    LightColour colour = ColourOf(light, weight);
+    LightColour colour = ColourOf(light, sequence, weight);
     if (!cells.empty()) {
         const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, cells);
         built.miss = MeshMissOf(*surface, in_frame, map);

@@ -34,7 +34,8 @@ class GhostBuilder {
                 bool with_flux) const;
 
   private:
-    LightColour ColourOf(const PlacedLight& light, double weight) const;
+    LightColour ColourOf(const PlacedLight& light, const BounceSequence& sequence,
+                         double weight) const;
     std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const PictureMap& map,
                                           const std::vector<GhostLight::Cell>& cells) const;
 

@@ -216,6 +216,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
         const int count = 2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0));
         drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, count);
         shares = BandShares(drawn, tables.wavelengths_nm(), colour.power);
+        for (BandShare& share : shares) share.rgb *= colour.tint;
     }
 
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);

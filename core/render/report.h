@@ -24,7 +24,8 @@ struct LightFacts {
 
 struct GhostFacts {
     std::vector<int> sequence;
-    std::string model;      // which physics ran for it: "geometric", or "culled" for every light
+    std::string model;      // which physics ran for it: "geometric", "culled" for every light, or
+                            // "muted" by the request
     double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
                             // line (or the first wavelength of a spectral request)
 };
@@ -65,6 +66,13 @@ struct StarburstFacts {
     double core_share = 0.0;  // of that flux, inside the first dark ring
 };
 
+// The bokeh layer; sums over the lights.
+struct BokehFacts {
+    std::uint64_t lights = 0;  // whose direct image reaches the sensor plane
+    double flux_mm2 = 0.0;     // of these images per unit E0, on the whole sensor plane, at the d
+                               // line (or the first wavelength of a spectral request)
+};
+
 struct Facts {
     std::optional<double> focus_m, zoom_mm;  // absent: infinity; not a zoom
     double squeeze = 1.0;                    // of an anamorphic lens
@@ -80,6 +88,7 @@ struct Facts {
     EstimatedError estimated_error;
     std::optional<FourReflectionFacts> four_reflections;
     std::optional<StarburstFacts> starburst;
+    std::optional<BokehFacts> bokeh;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder
@@ -96,6 +105,16 @@ struct Work {
     std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
     // Setup: coating tables, plans and the picture's memory, before the first light.
     double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
+
+    // Adds what building a ghost took; not the times.
+    void Add(const Work& other) {
+        rays_traced += other.rays_traced;
+        ray_surfaces += other.ray_surfaces;
+        cells += other.cells;
+        mesh_hits += other.mesh_hits;
+        mesh_misses += other.mesh_misses;
+        mesh_disk_hits += other.mesh_disk_hits;
+    }
 };
 
 struct Report {
