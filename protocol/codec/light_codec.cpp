@@ -83,6 +83,15 @@ bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
     return true;
 }
 
+bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence) {
+    if (!reader.Array(at, limits::kBounces)) return false;
+    constexpr int kLargestIndex = static_cast<int>(limits::kSurfaces) - 1;
+    for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
+        if (!reader.Integer(*child, 0, kLargestIndex, sequence.emplace_back())) return false;
+    }
+    return true;
+}
+
 bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset) {
     std::optional<JsonView> word;
     return reader.Object(at, {"preset"}, {"max_error", "time_budget_ms", "method"}) &&

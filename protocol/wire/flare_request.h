@@ -22,6 +22,7 @@ enum class Compression { kZip, kNone };
 enum class PixelType { kHalf, kFloat };
 enum class Ringing { kAuto, kOff };
 enum class Culling { kAuto, kNone, kReport };
+enum class Split { kNone, kGhost, kLight };
 
 // What physics is asked for.
 struct Model {
@@ -35,6 +36,7 @@ struct Model {
 struct Layers {
     bool ghosts = true;
     bool starburst = false;
+    bool bokeh = false;
 };
 
 struct Starburst {
@@ -42,6 +44,14 @@ struct Starburst {
     double jitter_deg = 0.0;
     int jitter_count = 8;
     int seed = 0;
+};
+
+// What an artist makes of one ghost.
+struct ArtistGhost {
+    std::vector<int> sequence;
+    double gain = 1.0;
+    std::array<double, 3> tint{1.0, 1.0, 1.0};  // not in kSpectral
+    bool mute = false;
 };
 
 struct Iris {
@@ -67,7 +77,7 @@ struct Light {
     std::optional<std::array<double, 2>> pixel;
     std::optional<double> distance_m;  // absent: infinitely far
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
-    double angular_diameter_deg = 0.0;  // above 0 only without ghosts
+    double angular_diameter_deg = 0.0;  // above 0 only for the starburst alone
 };
 
 struct Output {
@@ -94,6 +104,8 @@ struct FlareRequest {
     Preset preset = Preset::kPreview;
     Layers layers;
     Starburst starburst;
+    Split split = Split::kNone;
+    std::vector<ArtistGhost> artist;
     Model model;
     Output output;
 };
