@@ -10,7 +10,7 @@ namespace flare {
 namespace {
 
 // A direct image may be smaller than a pixel, and there is but one a light.
-constexpr double kDirectTolerance_mm = 0.002;
+constexpr double kDirectTolerance_mm = 0.002, kDirectMaskTolerance = 0.002;
 
 // Few wavelengths are traced exactly; for more, positions come from a few traced nodes.
 std::vector<double> TracedNodes(const FlareRequest& request, const QualitySettings& settings) {
@@ -43,6 +43,7 @@ MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence
     spec.wavelengths_nm = TracedNodes(request, settings);
     if (sequence.empty()) {
         spec.position_tolerance_mm = std::min(spec.position_tolerance_mm, kDirectTolerance_mm);
+        spec.mask_tolerance = std::min(spec.mask_tolerance, kDirectMaskTolerance);
         spec.arithmetic = MeshArithmetic::kDouble;
     }
     return spec;
