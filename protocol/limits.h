@@ -59,6 +59,13 @@ inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;
 inline constexpr double kMaxTimeBudget_ms = 600'000.0;
 inline constexpr int kMaxSeed = 2'147'483'647;
 
+// Layers beside the sums, and an artist's hand on ghosts.
+inline constexpr std::size_t kSplitLayers = 256;
+// Of all split layers together, counted once for each three channels.
+inline constexpr std::size_t kSplitPixels = std::size_t{1} << 27;
+inline constexpr std::size_t kArtistGhosts = 1'024;
+inline constexpr double kMaxArtistGain = 1e6;  // and of a tint's channels
+
 // The lens.
 inline constexpr double kMinFNumber = 1e-3;
 inline constexpr double kMaxFNumber = 10'000.0;

@@ -5,9 +5,11 @@
 // 24 bytes at the very most (two uncompressed floats, three times, in a picture of few lines).
 #include "server/picture_memory.h"
 
+#include <algorithm>
 #include <variant>
 
 #include "protocol/codec/flare_request_codec.h"
+#include "protocol/limits.h"
 
 namespace flare {
 namespace {
@@ -17,8 +19,22 @@ constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 24;
 constexpr std::uint64_t kBytesPerStarburstSample = 8 + 4 + 12;
 // Its transform and the tables of a light, whatever the picture's size.
 constexpr std::uint64_t kStarburstBytes = std::uint64_t{192} << 20;
+// Of the bokeh: four doubles a colour pixel, a float, and its share of the encoder.
+constexpr std::uint64_t kBytesPerBokehSample = 11 + 4 + 12;
+// Of a split layer: a float and its share of the encoder, which is one line's as a rule.
+constexpr std::uint64_t kBytesPerSplitSample = 4 + 4;
 // The ghosts of one batch with their colour tables, whatever the picture's size.
 constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
+
+// How many there may be: how many ghosts a lens has is not known here.
+std::uint64_t SplitLayers(const wire::FlareRequest& request, std::uint64_t pixels,
+                          std::uint64_t channels) {
+    const std::uint64_t most = std::min<std::uint64_t>(
+        limits::kSplitLayers,
+        limits::kSplitPixels / std::max<std::uint64_t>(1, pixels * ((channels + 2) / 3)));
+    if (request.split == wire::Split::kGhost) return most;
+    return std::min<std::uint64_t>(most, request.lights.size());
+}
 
 }  // namespace
 
@@ -36,9 +52,16 @@ std::uint64_t PictureBytes(const wire::FlareRequest& request) {
     const std::uint64_t channels = spectral ? request.wavelengths_nm.size() : 3;
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-    const std::uint64_t ghosts = kBytesPerRequest + pixels * channels * kBytesPerSample;
-    if (!request.layers.starburst) return ghosts;
-    return ghosts + kStarburstBytes + pixels * channels * kBytesPerStarburstSample;
+    const std::uint64_t samples = pixels * channels;
+    std::uint64_t bytes = kBytesPerRequest + samples * kBytesPerSample;
+    if (request.layers.starburst) bytes += kStarburstBytes + samples * kBytesPerStarburstSample;
+    if (request.layers.bokeh) bytes += samples * kBytesPerBokehSample;
+    // The sums are gathered in doubles; and what is drawn alone needs a picture of its own.
+    if (request.split != wire::Split::kNone) {
+        bytes += samples * (kBytesPerSample + 8) +
+                 SplitLayers(request, pixels, channels) * samples * kBytesPerSplitSample;
+    }
+    return bytes;
 }
 
 std::uint64_t PictureBytesOfBody(std::string_view body) {

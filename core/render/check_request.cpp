@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/render/check_layers.h"
 #include "core/render/lights.h"
 #include "core/render/renderer.h"
 #include "core/tracing/bounce_sequence.h"
@@ -112,7 +113,7 @@ std::optional<Error> CheckLight(const LightSpec& light, std::size_t index, bool 
 }
 
 std::optional<Error> CheckStarburst(const FlareRequest& request) {
-    if (!request.layers.ghosts && !request.layers.starburst)
+    if (!request.layers.ghosts && !request.layers.starburst && !request.layers.bokeh)
         return Bad("/layers", "no layer is asked for");
     const StarburstSpec& spec = request.starburst;
     if (!(spec.jitter_deg >= 0.0 && spec.jitter_deg <= kMaxJitter_deg)) {
@@ -127,8 +128,9 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
-        if (diameter > 0.0 && request.layers.ghosts && !request.photon) {
-            return Bad(place, "ghosts of lights that are no points are not built", "unsupported");
+        if (diameter > 0.0 && (request.layers.ghosts || request.layers.bokeh) && !request.photon) {
+            return Bad(place, "ghosts and bokeh of lights that are no points are not built",
+                       "unsupported");
         }
     }
     return std::nullopt;
@@ -236,6 +238,7 @@ std::optional<Error> CheckRequest(const FlareRequest& request) {
     if (auto error = CheckModel(request)) return error;
     if (auto error = CheckStarburst(request)) return error;
     if (auto error = CheckQuality(request.quality)) return error;
+    if (auto error = CheckLayers(request)) return error;
     const IrisShape& iris = request.iris;
     if (iris.blades != 0 && (iris.blades < 3 || iris.blades > 32)) {
         return Bad("/iris/blades", "must be 0 (round) or 3 to 32");

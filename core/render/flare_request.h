@@ -81,11 +81,24 @@ struct ModelSpec {
 struct LayerChoice {
     bool ghosts = true;
     bool starburst = false;
+    bool bokeh = false;
+};
+
+// Layers beside the sums: one for each ghost, or one for each light with all that it adds.
+enum class SplitBy { kNone, kGhost, kLight };
+
+// What an artist makes of one ghost. The picture is then no longer what the lens does.
+struct ArtistGhost {
+    std::vector<int> sequence;
+    double gain = 1.0;
+    Vec3d tint{1.0, 1.0, 1.0};  // colour only
+    bool mute = false;
 };
 
 // How the starburst is drawn.
 struct StarburstSpec {
-    // With the direct image: the pattern inside its first dark ring.
+    // With the direct image: the pattern inside its first dark ring. Never beside a bokeh layer,
+    // which holds that image.
     bool core = true;
     // A blade iris that is not steady: the mean over this many turns within +-jitter_deg.
     double jitter_deg = 0.0;
@@ -126,7 +139,9 @@ struct FlareRequest {
     ModelSpec model;
     LayerChoice layers;
     StarburstSpec starburst;
-    std::optional<double> f_number;  // absent: the lens's own
+    SplitBy split = SplitBy::kNone;
+    std::vector<ArtistGhost> artist;  // different sequences
+    std::optional<double> f_number;   // absent: the lens's own
     IrisShape iris;
     ImageSpec image;
     std::vector<LightSpec> lights;
@@ -169,5 +184,18 @@ inline constexpr double kMaxJitter_deg = 180.0;
 inline constexpr int kMaxJitterCount = 32;
 inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;
 inline constexpr double kMaxTimeBudget_ms = 600'000.0;
+inline constexpr std::size_t kMaxSplitLayers = 256;
+// Of all split layers together, counted once for each three channels.
+inline constexpr std::size_t kMaxSplitPixels = std::size_t{1} << 27;
+inline constexpr std::size_t kMaxArtistGhosts = 1'024;
+inline constexpr double kMaxArtistGain = 1e6;
+
+// What is asked of a ghost; null: nothing.
+inline const ArtistGhost* ArtistOf(const FlareRequest& request, const std::vector<int>& sequence) {
+    for (const ArtistGhost& ghost : request.artist) {
+        if (ghost.sequence == sequence) return &ghost;
+    }
+    return nullptr;
+}
 
 }  // namespace flare

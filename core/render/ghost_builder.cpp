@@ -44,9 +44,14 @@ GhostBuilder::GhostBuilder(const RenderScene& scene, const TilePicture* tile_pic
                    context.threads),
       bounded_nm_(BoundingWavelengths(scene)) {}
 
-// Of a ghost that is drawn with a weight.
-LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) const {
+// Of a ghost that is drawn with a weight, and with what an artist asks of it.
+LightColour GhostBuilder::ColourOf(const PlacedLight& light, const BounceSequence& sequence,
+                                   double weight) const {
     LightColour colour;
+    if (const ArtistGhost* artist = ArtistOf(scene_.request, sequence)) {
+        weight *= artist->gain;
+        colour.tint = artist->tint;
+    }
     colour.spectral = scene_.spectral();
     colour.irradiance = weight * light.irradiance.x;
     if (!colour.spectral) colour.power = PowerOf(light, weight);
@@ -75,7 +80,7 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
     }
     const PictureMap map = MapFor(light);
     FringePlan& plan = located.plan;
-    if (scene_.request.model.ringing) {
+    if (scene_.request.model.ringing && !sequence.empty()) {
         plan = PlanFringes(lens, *found->mesh, light, scene_.iris, map, scene_.spectral());
     }
     const Iris& iris = plan.fringes ? plan.fringes->iris : scene_.iris;
@@ -127,7 +132,7 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
             std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.ring; });
         if (!any) return built;
     }
-    LightColour colour = ColourOf(light, weight);
+    LightColour colour = ColourOf(light, sequence, weight);
     colour.dispersion_px = located.dispersion_px;
     if (plan.fringes) colour.least_drawn = std::min(kFringeBands, colour.most_drawn);
     GhostLight& ghost = built.ghost.light;

@@ -50,7 +50,8 @@ class GhostBuilder {
   private:
     // To the picture, or to the tiles'.
     PictureMap MapFor(const PlacedLight& light) const;
-    LightColour ColourOf(const PlacedLight& light, double weight) const;
+    LightColour ColourOf(const PlacedLight& light, const BounceSequence& sequence,
+                         double weight) const;
     std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const Iris& iris,
                                           const PictureMap& map,
                                           const std::vector<GhostLight::Cell>& cells) const;

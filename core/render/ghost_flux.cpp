@@ -26,13 +26,15 @@ class FluxSink final : public PieceSink {
 
 GhostFlux FluxOf(const std::shared_ptr<const GhostSurface>& surface, const LightBundle& bundle,
                  const Lens& lens, const TransmissionTables& tables, const Iris& iris,
-                 const WalkTolerance& tolerance) {
+                 const WalkTolerance& tolerance, const CanonicalPose& pose) {
     // A "picture" in millimetres of the canonical sensor: one unit of length is one millimetre, so
     // the cuts are the masks' and the coarsest that the tolerances allow.
     PictureMap map;
     map.px_per_x = {1.0, 0.0};
     map.px_per_y = {0.0, 1.0};
     map.offset_px = {0.0, 0.0};
+    map.stop_per_x = pose.x_axis;
+    map.stop_per_y = pose.y_axis;
     LightColour colour;
     colour.spectral = true;
     const std::vector<double>& wavelengths = tables.wavelengths_nm();

@@ -16,9 +16,10 @@ struct GhostFlux {
     Vec2d centroid_mm{0.0, 0.0};  // lens space, canonical azimuth
 };
 
-// At the first wavelength of `tables`.
+// At the first wavelength of `tables`. `pose` turns stop places into the iris's, which matters
+// where it has blades.
 GhostFlux FluxOf(const std::shared_ptr<const GhostSurface>& surface, const LightBundle& bundle,
                  const Lens& lens, const TransmissionTables& tables, const Iris& iris,
-                 const WalkTolerance& tolerance);
+                 const WalkTolerance& tolerance, const CanonicalPose& pose = {});
 
 }  // namespace flare

@@ -10,23 +10,7 @@
 namespace flare {
 namespace {
 
-GhostFacts FactsOf(const BounceSequence& sequence) {
-    GhostFacts facts;
-    facts.sequence = sequence;
-    facts.model = facts.ringing.model;
-    return facts;
-}
-
 constexpr int kGhostsPerBatch = 12;
-
-double BrightestChannel(const std::vector<LightSpec>& lights) {
-    double brightest = 0.0;
-    for (const LightSpec& light : lights) {
-        const Vec3d& e = light.irradiance;
-        brightest = std::max({brightest, e.x, e.y, e.z});
-    }
-    return brightest > 0.0 ? brightest : 1.0;
-}
 
 }  // namespace
 
@@ -34,25 +18,21 @@ GhostLayer::GhostLayer(const RenderScene& scene, const RenderContext& context, R
     : scene_(scene),
       context_(context),
       report_(report),
+      picture_(scene, context),
       sequences_(TwoReflectionSequences(scene.lens, scene.request.model.sensor_reflection)),
+      builder_(scene, picture_.tiles(), context),
       planner_(scene.request, scene.iris, scene.units_factor, context.threads),
       error_(scene.lens, scene.settings, scene.spectral()) {
-    MakePicture();
-    builder_.emplace(scene, tile_picture_ ? &*tile_picture_ : nullptr, context);
-    for (const BounceSequence& sequence : sequences_) {
-        report_.facts.ghosts.push_back(FactsOf(sequence));
-    }
+    if (scene.request.split == SplitBy::kGhost) split_.emplace(scene, context);
+    for (const BounceSequence& sequence : sequences_) AddFact(sequence);
 }
 
-void GhostLayer::MakePicture() {
-    const FlareRequest& request = scene_.request;
-    if (!scene_.settings.tiles || scene_.spectral()) {
-        picture_.emplace(scene_.window,
-                         scene_.spectral() ? static_cast<int>(scene_.channel_count()) : 0);
-        return;
-    }
-    tile_picture_.emplace(scene_.window, request.image.width, request.image.height,
-                          BrightestChannel(request.lights));
+void GhostLayer::AddFact(const BounceSequence& sequence) {
+    const ArtistGhost* const artist = ArtistOf(scene_.request, sequence);
+    GhostFacts facts;
+    facts.sequence = sequence;
+    facts.model = artist && artist->mute ? "muted" : facts.ringing.model;
+    report_.facts.ghosts.push_back(std::move(facts));
 }
 
 std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
@@ -65,25 +45,28 @@ std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
         if (std::optional<Error> error = AddFourReflections(light, ghosts_of_light)) return error;
         report_.work.mesh_ms += context_.now_ms() - before;
     }
+    std::erase_if(ghosts_of_light,
+                  [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
     for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
         if (context_.cancel.cancelled()) break;
         const std::size_t count = std::min<std::size_t>(kGhostsPerBatch, planned.size() - first);
-        AddBatch(light, std::span(planned).subspan(first, count), reported);
+        const std::span<PlannedGhost> batch = std::span(planned).subspan(first, count);
+        if (std::optional<Error> error = AddBatch(light, batch, reported)) return error;
     }
     if (context_.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
     return std::nullopt;
 }
 
-void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
-                          bool reported) {
+std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
+                                          bool reported) {
     const double t0 = context_.now_ms();
     std::vector<GhostBuilder::Built> built(planned.size());
     context_.threads.For(static_cast<int>(planned.size()), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
-        built[n] = builder_->Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
-                                   reported);
+        built[n] = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
+                                  reported);
     });
     std::vector<TiledGhost> ghosts;
     for (std::size_t n = 0; n < planned.size(); ++n) {
@@ -95,30 +78,21 @@ void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> plan
         facts.flux_mm2 += built[n].flux_mm2;
         JoinRinging(built[n].ringing, facts.ringing);
         facts.model = facts.ringing.model;
-        AddWork(built[n].work);
+        report_.work.Add(built[n].work);
         ghosts.push_back(std::move(built[n].ghost));
     }
     const double t1 = context_.now_ms();
     report_.work.mesh_ms += t1 - t0;
-    if (context_.cancel.cancelled()) return;
-    Draw(ghosts, MapOf(scene_.request, light.pose));
-    report_.work.raster_ms += context_.now_ms() - t1;
-}
-
-void GhostLayer::Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map) {
-    const auto count = [&](const auto& drawn) {
-        report_.work.polygons += drawn.pieces;
-        report_.work.fragments += drawn.fragments;
-    };
-    if (tile_picture_) {
-        count(tile_picture_->Draw(ghosts, scene_.iris, tile_picture_->MapFromMiddle(map),
-                                  scene_.settings.walk, context_.threads, context_.cancel));
-        return;
+    if (context_.cancel.cancelled()) return std::nullopt;
+    const PictureMap map = MapOf(scene_.request, light.pose);
+    picture_.Draw(ghosts, map, report_.work);
+    for (std::size_t n = 0; split_ && n < ghosts.size(); ++n) {
+        const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
+        if (std::optional<Error> error = split_->Add(sequence, ghosts[n], map, report_.work))
+            return error;
     }
-    std::vector<GhostLight> lights;
-    for (TiledGhost& ghost : ghosts) lights.push_back(std::move(ghost.light));
-    count(picture_->Draw(lights, scene_.iris, map, scene_.settings.walk, context_.threads,
-                         context_.cancel));
+    report_.work.raster_ms += context_.now_ms() - t1;
+    return std::nullopt;
 }
 
 // Leaves out the ghosts that need not be drawn, and says so.
@@ -169,7 +143,7 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     report_.work.rays_traced += choice->rays_traced;
     for (const BounceSequence& sequence : choice->sequences) {
         const auto [known, added] = fours_.emplace(sequence, facts.ghosts.size());
-        if (added) facts.ghosts.push_back(FactsOf(sequence));
+        if (added) AddFact(sequence);
         ghosts_of_light.push_back(known->second);
     }
     four.rendered = fours_.size();
@@ -177,32 +151,16 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     return std::nullopt;
 }
 
-void GhostLayer::AddWork(const Work& w) {
-    report_.work.rays_traced += w.rays_traced;
-    report_.work.ray_surfaces += w.ray_surfaces;
-    report_.work.cells += w.cells;
-    report_.work.mesh_hits += w.mesh_hits;
-    report_.work.mesh_misses += w.mesh_misses;
-    report_.work.mesh_disk_hits += w.mesh_disk_hits;
-}
-
 void GhostLayer::Finish() {
     for (std::size_t i = 0; i < drawn_.size(); ++i) {
-        if (!drawn_[i]) report_.facts.ghosts[i].model = "culled";
+        std::string& model = report_.facts.ghosts[i].model;
+        if (!drawn_[i] && model != "muted") model = "culled";
     }
     report_.facts.estimated_error = error_.Value();
 }
 
-std::vector<std::vector<float>> GhostLayer::Resolve(double scale) {
-    std::vector<std::vector<float>> planes(scene_.channel_count());
-    if (tile_picture_) {
-        std::ranges::move(tile_picture_->Resolve(scale, context_.threads), planes.begin());
-        return planes;
-    }
-    context_.threads.For(static_cast<int>(planes.size()), [&](int c) {
-        planes[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);
-    });
-    return planes;
+void GhostLayer::AppendSplit(FlareImage& image, double scale) {
+    if (split_) split_->AppendTo(image, scale);
 }
 
 }  // namespace flare

@@ -12,7 +12,7 @@
 #include "core/render/ghost_builder.h"
 #include "core/render/ghost_list.h"
 #include "core/render/ghost_plan.h"
-#include "core/render/picture.h"
+#include "core/render/ghost_split.h"
 
 namespace flare {
 
@@ -26,28 +26,30 @@ class GhostLayer {
     // After the last light: what was never drawn, and the error.
     void Finish();
 
-    // The layer's planes (RenderScene::channel_count), light in a pixel times `scale`.
-    std::vector<std::vector<float>> Resolve(double scale);
+    // Light in a pixel times `scale`.
+    LayerPlanes Resolve(double scale) const { return picture_.Resolve(scale); }
+    // The layers of single ghosts, where the request splits the ghosts; once.
+    void AppendSplit(FlareImage& image, double scale);
+    // Back to a picture without light; what the report holds stays.
+    void Clear() { picture_.Clear(); }
 
   private:
-    // Exact polygons, or tiles: one of the two.
-    void MakePicture();
+    void AddFact(const BounceSequence& sequence);
     std::vector<PlannedGhost> PlanGhosts(const PlacedLight& light,
                                          const std::vector<std::size_t>& indices, bool reported);
     std::optional<Error> AddFourReflections(const PlacedLight& light,
                                             std::vector<std::size_t>& ghosts_of_light);
-    void AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned, bool reported);
-    void Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map);
-    void AddWork(const Work& work);
+    std::optional<Error> AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
+                                  bool reported);
 
     const RenderScene& scene_;
     const RenderContext& context_;
     Report& report_;
-    std::optional<Picture> picture_;
-    std::optional<TilePicture> tile_picture_;
+    GhostPicture picture_;
+    std::optional<GhostSplit> split_;
     std::vector<BounceSequence> sequences_;        // of two reflections
     std::map<BounceSequence, std::size_t> fours_;  // of four: place in the report
-    std::optional<GhostBuilder> builder_;
+    GhostBuilder builder_;
     GhostPlanner planner_;
     ErrorEstimate error_;
     std::vector<bool> drawn_;  // each ghost of the report, for some light

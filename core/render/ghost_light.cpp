@@ -221,6 +221,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     if (!colour.spectral) {
         drawn = EvenInDispersion(kDrawnLow_nm, kDrawnHigh_nm, DrawnWavelengths(colour));
         shares = BandShares(drawn, tables.wavelengths_nm(), colour.power, *colour.response);
+        for (BandShare& share : shares) share.rgb *= colour.tint;
     }
 
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);

@@ -23,6 +23,7 @@ struct LightColour {
     double irradiance = 1.0;                            // spectral: E0
     Spectrum power{};                                   // colour: the light's spectrum
     const ColorResponse* response = &Rec709Response();  // ... and what sees it
+    Vec3d tint{1.0, 1.0, 1.0};                          // colour: on red, green and blue
     double dispersion_px = 0.0;                         // colour: DispersionPx over the full frame
     double dispersion_step_px = 4.0;
     double light_tolerance = 2e-4;  // relative, of light interpolated between the cell's corners

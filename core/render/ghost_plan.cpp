@@ -128,6 +128,10 @@ std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& seq
         }
     }
     weights.resize(samples.size(), 1.0);
+    // A ghost that an artist has a hand on stays, however faint the lens makes it.
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+        if (ArtistOf(request_, sequences[n])) weights[n] = 1.0;
+    }
     return weights;
 }
 

@@ -9,6 +9,9 @@
 namespace flare {
 namespace {
 
+// A direct image may be smaller than a pixel, and there is but one a light.
+constexpr double kDirectTolerance_mm = 0.002, kDirectMaskTolerance = 0.002;
+
 // Few wavelengths are traced exactly; for more, positions come from a few traced nodes.
 std::vector<double> TracedNodes(const FlareRequest& request, const QualitySettings& settings) {
     if (request.color != ColorMode::kSpectral) {
@@ -38,6 +41,11 @@ MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence
     MeshSpec spec = MeshSpecOf(sequence, light);
     SetQuality(settings, spec);
     spec.wavelengths_nm = TracedNodes(request, settings);
+    if (sequence.empty()) {
+        spec.position_tolerance_mm = std::min(spec.position_tolerance_mm, kDirectTolerance_mm);
+        spec.mask_tolerance = std::min(spec.mask_tolerance, kDirectMaskTolerance);
+        spec.arithmetic = MeshArithmetic::kDouble;
+    }
     return spec;
 }
 

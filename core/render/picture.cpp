@@ -23,6 +23,10 @@ Picture::Picture(const PixelWindow& window, int spectral_layers)
     }
 }
 
+void Picture::Clear() {
+    for (std::vector<double>& layer : layers_) std::fill(layer.begin(), layer.end(), 0.0);
+}
+
 std::vector<float> Picture::Channel(int index, double scale) const {
     constexpr double kMost = std::numeric_limits<float>::max();
     const std::vector<double>& layer = layers_[spectral_ ? static_cast<std::size_t>(index) : 0];

@@ -29,6 +29,9 @@ class Picture {
     Drawn Draw(const std::vector<GhostLight>& ghosts, const Iris& iris, const PictureMap& map,
                const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
 
+    // Back to darkness.
+    void Clear();
+
     const PixelWindow& window() const { return window_; }
     // Channel `index` (a wavelength, or red, green, blue) times `scale`, clamped to finite floats.
     std::vector<float> Channel(int index, double scale) const;

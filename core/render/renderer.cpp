@@ -5,7 +5,9 @@
 #include "core/render/renderer.h"
 
 #include "core/base/units.h"
+#include "core/render/bokeh_layer.h"
 #include "core/render/ghost_layer.h"
+#include "core/render/light_split.h"
 #include "core/render/lights.h"
 #include "core/render/photon_layer.h"
 #include "core/render/quality_search.h"
@@ -29,6 +31,7 @@ class Job {
         if (request.layers.starburst) {
             starburst_.emplace(request, scene_.stop.semi_diameter_mm, scene_.window);
         }
+        if (request.layers.bokeh) bokeh_.emplace(scene_, context, report_);
         report_.work.setup_ms += context.now_ms() - before;
     }
 
@@ -40,7 +43,12 @@ class Job {
             if (!light) return light.error();
             lights.push_back(*light);
         }
-        for (const PlacedLight& light : lights) {
+        if (request_.split == SplitBy::kLight) {
+            if (std::optional<Error> error = CheckSplitLayers(scene_, lights.size())) return *error;
+            split_.emplace(scene_);
+        }
+        for (std::size_t i = 0; i < lights.size(); ++i) {
+            const PlacedLight& light = lights[i];
             const bool reported = report_.facts.lights.size() < kMostReportedLights;
             if (reported) AddLightFacts(light);
             if (ghosts_) {
@@ -48,8 +56,10 @@ class Job {
             }
             if (photons_) photons_->Add(light, reported);
             if (starburst_) starburst_->Add(light, context_.threads, context_.cancel);
+            if (bokeh_) bokeh_->Add(light);
             if (context_.cancel.cancelled())
                 return Error{"cancelled", "the work was cancelled", ""};
+            if (split_) TakeLight(i);
         }
         if (ghosts_) ghosts_->Finish();
         if (photons_) {
@@ -93,8 +103,33 @@ class Job {
         report_.facts.lights.push_back(facts);
     }
 
-    // Light a pixel to irradiance, and to scene radiance if asked; each layer twice: in the root
-    // and under its own name.
+    // From light a pixel to irradiance, and to scene radiance if asked.
+    double Scale() const {
+        const Vec2d pitch = PixelPitch(request_);
+        return scene_.units_factor / (pitch.x * pitch.y);
+    }
+
+    // Each layer twice: in the root and under its own name.
+    void AppendLayers(FlareImage& image) const {
+        const double scale = Scale();
+        if (ghosts_) AppendLayer(scene_, "ghosts", ghosts_->Resolve(scale), image);
+        if (photons_) AppendLayer(scene_, "ghosts", photons_->Resolve(scale), image);
+        if (starburst_) AppendLayer(scene_, "starburst", starburst_->Resolve(scale), image);
+        if (bokeh_) AppendLayer(scene_, "bokeh", bokeh_->Resolve(scale), image);
+    }
+
+    // What the layers have gathered is light `index` alone.
+    void TakeLight(std::size_t index) {
+        const double before = context_.now_ms();
+        FlareImage picture;
+        AppendLayers(picture);
+        split_->Add(index, std::move(picture));
+        if (ghosts_) ghosts_->Clear();
+        if (starburst_) starburst_->Clear();
+        if (bokeh_) bokeh_->Clear();
+        report_.work.resolve_ms += context_.now_ms() - before;
+    }
+
     FlareImage Resolve() {
         const double before = context_.now_ms();
         FlareImage image;
@@ -105,29 +140,14 @@ class Job {
         if (!image.rec709 && !scene_.spectral() && !request_.camera) {
             image.chromaticities = ChromaticitiesOf(SpaceOf(request_.color));
         }
-        const Vec2d pitch = PixelPitch(request_);
-        const double scale = scene_.units_factor / (pitch.x * pitch.y);
-
-        const std::size_t channels = scene_.channel_count();
-        std::vector<std::vector<float>> root;
-        if (ghosts_) {
-            root = ghosts_->Resolve(scale);
-        } else if (photons_) {
-            root = photons_->Resolve(scale);
+        if (split_ && !request_.lights.empty()) {
+            split_->AppendTo(image);
         } else {
-            const auto pixels = static_cast<std::size_t>(scene_.window.width) *
-                                static_cast<std::size_t>(scene_.window.height);
-            root.assign(channels, std::vector<float>(pixels, 0.0F));
+            AppendLayers(image);
         }
-        for (std::size_t c = 0; c < channels; ++c) {
-            image.planes.push_back({scene_.ChannelName(c), std::move(root[c])});
-        }
-        for (std::size_t c = 0; request_.layers.ghosts && c < channels; ++c) {
-            image.planes.push_back({"ghosts." + image.planes[c].name, image.planes[c].values});
-        }
-        if (photons_) photons_->AppendErrorTo(image, scale);
-        if (starburst_) starburst_->AppendTo(image, scale);
-        report_.work.resolve_ms = context_.now_ms() - before;
+        if (ghosts_) ghosts_->AppendSplit(image, Scale());
+        if (photons_) photons_->AppendErrorTo(image, Scale());
+        report_.work.resolve_ms += context_.now_ms() - before;
         return image;
     }
 
@@ -138,6 +158,8 @@ class Job {
     std::optional<GhostLayer> ghosts_;  // one of these two
     std::optional<PhotonLayer> photons_;
     std::optional<StarburstLayer> starburst_;
+    std::optional<BokehLayer> bokeh_;
+    std::optional<LightSplit> split_;
 };
 
 }  // namespace

@@ -37,7 +37,8 @@ struct RingingFacts {
 
 struct GhostFacts {
     std::vector<int> sequence;
-    // Which physics ran for it: RingingFacts::model, or "culled" for every light.
+    // Which physics ran for it: RingingFacts::model, "culled" for every light, or "muted" by the
+    // request.
     std::string model;
     double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
                             // line (or the first wavelength of a spectral request)
@@ -87,6 +88,13 @@ struct PhotonFacts {
     double rel_l1 = 0.0;  // expected of the noise: sum of the mean errors over that of the light
 };
 
+// The bokeh layer; sums over the lights.
+struct BokehFacts {
+    std::uint64_t lights = 0;  // whose direct image reaches the sensor plane
+    double flux_mm2 = 0.0;     // of these images per unit E0, on the whole sensor plane, at the d
+                               // line (or the first wavelength of a spectral request)
+};
+
 struct Facts {
     std::optional<double> focus_m, zoom_mm;  // absent: infinity; not a zoom
     double squeeze = 1.0;                    // of an anamorphic lens
@@ -103,6 +111,7 @@ struct Facts {
     std::optional<FourReflectionFacts> four_reflections;
     std::optional<StarburstFacts> starburst;
     std::optional<PhotonFacts> photon;
+    std::optional<BokehFacts> bokeh;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder
@@ -127,6 +136,16 @@ struct Work {
     // Setup: coating tables, plans and the picture's memory, before the first light.
     std::optional<SearchWork> search;
     double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
+
+    // Adds what building a ghost took; not the times.
+    void Add(const Work& other) {
+        rays_traced += other.rays_traced;
+        ray_surfaces += other.ray_surfaces;
+        cells += other.cells;
+        mesh_hits += other.mesh_hits;
+        mesh_misses += other.mesh_misses;
+        mesh_disk_hits += other.mesh_disk_hits;
+    }
 };
 
 struct Report {

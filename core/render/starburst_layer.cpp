@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/units.h"
 #include "core/render/mask_outline.h"
@@ -111,7 +110,7 @@ StarburstLayer::StarburstLayer(const FlareRequest& request, double opening_semi_
       spectral_(request.color == ColorMode::kSpectral) {
     planes_.assign(spectral_ ? request.wavelengths_nm.size() : 3,
                    std::vector<double>(window.pixels(), 0.0));
-    facts_.core = request.starburst.core;
+    facts_.core = request.starburst.core && !request.layers.bokeh;
 }
 
 bool StarburstLayer::PlaceSpot(const PlacedLight& light, const LightBundle& bundle,
@@ -221,8 +220,7 @@ void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const Ca
     const std::vector<SpotBand> bands = BandsOf(light, bundle, *beam, spot, threads);
     const bool fine =
         request_.quality == QualityPreset::kFinal || request_.quality == QualityPreset::kReference;
-    const NearPattern near(spot.outlines, fine ? kFineSide : kSide, !request_.starburst.core,
-                           threads);
+    const NearPattern near(spot.outlines, fine ? kFineSide : kSide, !facts_.core, threads);
     const double radius = 0.5 * light.angular_diameter_rad;
     const SourceEllipse source{spot.along_u * radius, spot.along_v * radius};
 
@@ -268,23 +266,17 @@ void StarburstLayer::Draw(const SpotPattern& pattern, std::size_t first_plane, T
     });
 }
 
-void StarburstLayer::AppendTo(FlareImage& image, double scale) const {
-    const auto value = [](double light) {
-        constexpr double kMost = std::numeric_limits<float>::max();
-        return static_cast<float>(std::clamp(light, -kMost, kMost));
-    };
-    for (std::size_t p = 0; p < planes_.size(); ++p) {
-        std::vector<float> layer(planes_[p].size());
-        std::vector<float> root = image.planes[p].values;
-        for (std::size_t k = 0; k < root.size(); ++k) {
-            const double light = planes_[p][k] * scale;
-            layer[k] = value(light);
-            root[k] = value(static_cast<double>(root[k]) + light);
-        }
-        const std::string name = image.planes[p].name;
-        image.planes[p].values = std::move(root);
-        image.planes.push_back({"starburst." + name, std::move(layer)});
+LayerPlanes StarburstLayer::Resolve(double scale) const {
+    LayerPlanes planes;
+    for (const std::vector<double>& light : planes_) {
+        std::vector<float>& plane = planes.emplace_back(light.size());
+        for (std::size_t k = 0; k < light.size(); ++k) plane[k] = PlaneValue(light[k] * scale);
     }
+    return planes;
+}
+
+void StarburstLayer::Clear() {
+    for (std::vector<double>& light : planes_) std::fill(light.begin(), light.end(), 0.0);
 }
 
 }  // namespace flare

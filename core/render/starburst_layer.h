@@ -17,6 +17,7 @@
 #include "core/image/flare_image.h"
 #include "core/render/beam_outline.h"
 #include "core/render/flare_request.h"
+#include "core/render/layer_planes.h"
 #include "core/render/lights.h"
 #include "core/render/report.h"
 #include "core/render/spot_pattern.h"
@@ -32,9 +33,10 @@ class StarburstLayer {
     // Adds a light's pattern. Stops early, leaving the layer unfinished, when cancelled.
     void Add(const PlacedLight& light, ThreadPool& threads, const CancelToken& cancel);
 
-    // Adds the planes "starburst.<channel>" to an image whose first planes are the root's channels,
-    // and their values, light in a pixel times `scale`, to those.
-    void AppendTo(FlareImage& image, double scale) const;
+    // Light in a pixel times `scale`.
+    LayerPlanes Resolve(double scale) const;
+    // Back to a picture without light.
+    void Clear();
 
     const StarburstFacts& facts() const { return facts_; }
 

@@ -85,6 +85,11 @@ TilePicture::TilePicture(const PixelWindow& window, int width, int height, doubl
     for (std::vector<float>& plane : pixels_) plane.assign(padded_.pixels(), 0.0F);
 }
 
+void TilePicture::Clear() {
+    for (Plane& plane : planes_) std::fill(plane.corners.begin(), plane.corners.end(), 0.0F);
+    for (std::vector<float>& plane : pixels_) std::fill(plane.begin(), plane.end(), 0.0F);
+}
+
 PictureMap TilePicture::MapFromMiddle(PictureMap map) const {
     map.offset_px -= Vec2d(middle_x_, middle_y_);
     return map;

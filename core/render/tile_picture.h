@@ -45,6 +45,9 @@ class TilePicture {
     Drawn Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris, const PictureMap& map,
                const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
 
+    // Back to darkness.
+    void Clear();
+
     // Opens the smooth tiles out and hands over what has been drawn: red, green and blue of the
     // window, times `scale`, clamped to finite floats.
     std::array<std::vector<float>, 3> Resolve(double scale, ThreadPool& threads) const;

@@ -18,13 +18,15 @@ namespace flare::wire {
 namespace {
 
 bool ReadLayers(Reader& reader, const JsonView& at, Layers& layers) {
-    layers = {false, false};
+    layers = {false, false, false};
     if (!reader.Array(at, limits::kJsonMembers)) return false;
     for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
         bool Layers::*layer = nullptr;
-        if (!reader.OneOf<bool Layers::*>(
-                *child, {{"ghosts", &Layers::ghosts}, {"starburst", &Layers::starburst}}, layer,
-                {"bokeh"})) {
+        if (!reader.OneOf<bool Layers::*>(*child,
+                                          {{"ghosts", &Layers::ghosts},
+                                           {"starburst", &Layers::starburst},
+                                           {"bokeh", &Layers::bokeh}},
+                                          layer)) {
             return false;
         }
         if (layers.*layer) return reader.Refuse(at, "bad_value", "a layer is asked for twice");
@@ -49,6 +51,64 @@ bool ReadStarburst(Reader& reader, const JsonView& at, Starburst& starburst) {
            IfGiven(at, "seed", [&](const JsonView& v) {
                return reader.Integer(v, 0, limits::kMaxSeed, starburst.seed);
            });
+}
+
+bool ReadSplit(Reader& reader, const JsonView& at, FlareRequest& request) {
+    if (!reader.OneOf<Split>(
+            at, {{"none", Split::kNone}, {"ghost", Split::kGhost}, {"light", Split::kLight}},
+            request.split)) {
+        return false;
+    }
+    if (request.split == Split::kGhost && !request.layers.ghosts) {
+        return reader.Refuse(at, "bad_value", "there is no layer of ghosts to split");
+    }
+    if (request.split == Split::kLight && request.lights.size() > limits::kSplitLayers) {
+        return reader.Refuse(
+            at, "limit",
+            "at most " + std::to_string(limits::kSplitLayers) + " lights can be split");
+    }
+    return true;
+}
+
+bool ReadArtistGhost(Reader& reader, const JsonView& at, bool spectral, ArtistGhost& ghost) {
+    const Range range = FromUpTo(0.0, limits::kMaxArtistGain);
+    std::optional<JsonView> sequence;
+    return reader.Object(at, {"sequence", "gain", "tint", "mute"}) &&
+           reader.Require(at, "sequence", sequence) &&
+           ReadSequence(reader, *sequence, ghost.sequence) &&
+           IfGiven(at, "gain",
+                   [&](const JsonView& v) { return reader.Number(v, range, ghost.gain); }) &&
+           IfGiven(at, "tint",
+                   [&](const JsonView& v) {
+                       return reader.Numbers(v, range, ghost.tint) &&
+                              (!spectral ||
+                               reader.Refuse(v, "bad_value",
+                                             "a spectral picture has no red, green and blue to "
+                                             "tint"));
+                   }) &&
+           IfGiven(at, "mute", [&](const JsonView& v) { return reader.Boolean(v, ghost.mute); });
+}
+
+bool ReadArtist(Reader& reader, const JsonView& at, FlareRequest& request) {
+    std::optional<JsonView> ghosts;
+    if (!reader.Object(at, {"ghosts"}) || !reader.Require(at, "ghosts", ghosts) ||
+        !reader.Array(*ghosts, limits::kArtistGhosts)) {
+        return false;
+    }
+    const bool spectral = request.color_space == ColorSpace::kSpectral;
+    for (auto child = ghosts->FirstChild(); child; child = child->NextSibling()) {
+        ArtistGhost ghost;
+        if (!ReadArtistGhost(reader, *child, spectral, ghost)) return false;
+        const auto same = [&](const ArtistGhost& other) {
+            return other.sequence == ghost.sequence;
+        };
+        if (std::any_of(request.artist.begin(), request.artist.end(), same)) {
+            return reader.RefuseMember(*child, "sequence", "bad_value", "the ghost is named twice");
+        }
+        request.artist.push_back(std::move(ghost));
+    }
+    return request.artist.empty() || request.layers.ghosts ||
+           reader.Refuse(at, "bad_value", "there is no layer of ghosts");
 }
 
 bool ReadOutput(Reader& reader, const JsonView& at, Output& output) {
@@ -143,7 +203,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                 "zoom_mm", "iris",         "image",          "lights",       "layers",
                 "units",   "color_space",  "wavelengths_nm", "quality",      "model",
                 "output",  "starburst",    "encoder",        "encoder_time", "encoder_max_age_ms",
-                "camera"},
+                "camera",  "split",        "artist"},
                {}) &&
            ReadEncoder(reader, root, request.encoder) &&
            ReadLensChoice(reader, root, request.lens, request.encoder.has_value()) &&
@@ -162,7 +222,12 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                    [&](const JsonView& v) { return ReadQuality(reader, v, request.quality); }) &&
            reader.Require(root, "lights", lights) &&
            ReadLights(reader, *lights, request.color_space == ColorSpace::kSpectral,
-                      request.layers.ghosts && !request.quality.photon, request.lights) &&
+                      (request.layers.ghosts || request.layers.bokeh) && !request.quality.photon,
+                      request.lights) &&
+           IfGiven(root, "split",
+                   [&](const JsonView& v) { return ReadSplit(reader, v, request); }) &&
+           IfGiven(root, "artist",
+                   [&](const JsonView& v) { return ReadArtist(reader, v, request); }) &&
            IfGiven(root, "units",
                    [&](const JsonView& v) {
                        return reader.OneOf<Units>(v,

@@ -162,6 +162,15 @@ bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
     return true;
 }
 
+bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence) {
+    if (!reader.Array(at, limits::kBounces)) return false;
+    constexpr int kLargestIndex = static_cast<int>(limits::kSurfaces) - 1;
+    for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
+        if (!reader.Integer(*child, 0, kLargestIndex, sequence.emplace_back())) return false;
+    }
+    return true;
+}
+
 bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality) {
     if (!reader.Object(at, {"preset", "tolerance", "max_error", "time_budget_ms", "method",
                             "samples", "seed", "estimate", "kernel_px", "nearest"})) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What pictures and warming have in common besides the lens: the members "lights", "quality" and
-// "model" of a message.
+// What several messages have in common besides the lens: the members "lights", "quality", "model"
+// and bounce sequences.
 #pragma once
 
 #include <vector>
@@ -14,6 +14,8 @@ namespace flare::wire {
 // `spectral`: irradiances may be one number. `points`: only lights without extent are supported.
 bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
                 std::vector<Light>& lights);
+// Any surface numbers; whether there is such a path is for the lens to say.
+bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence);
 bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality);
 bool ReadModel(Reader& reader, const JsonView& at, Model& model);
 

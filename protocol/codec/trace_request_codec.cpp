@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "protocol/codec/lens_codec.h"
+#include "protocol/codec/light_codec.h"
 #include "protocol/codec/reader.h"
 #include "protocol/limits.h"
 
@@ -28,15 +29,6 @@ bool ReadRays(Reader& reader, const JsonView& at, std::vector<TraceRay>& rays) {
     rays.reserve(at.child_count());
     for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
         if (!ReadRay(reader, *child, rays.emplace_back())) return false;
-    }
-    return true;
-}
-
-bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence) {
-    if (!reader.Array(at, limits::kBounces)) return false;
-    constexpr int kLargestIndex = static_cast<int>(limits::kSurfaces) - 1;
-    for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
-        if (!reader.Integer(*child, 0, kLargestIndex, sequence.emplace_back())) return false;
     }
     return true;
 }

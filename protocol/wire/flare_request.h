@@ -22,6 +22,7 @@ enum class Compression { kZip, kNone };
 enum class PixelType { kHalf, kFloat };
 enum class Ringing { kAuto, kOff };
 enum class Culling { kAuto, kNone, kReport };
+enum class Split { kNone, kGhost, kLight };
 
 // What physics is asked for.
 struct Model {
@@ -35,6 +36,7 @@ struct Model {
 struct Layers {
     bool ghosts = true;
     bool starburst = false;
+    bool bokeh = false;
 };
 
 struct Starburst {
@@ -49,6 +51,14 @@ enum class IrisMaskScale { kArea, kStop };
 struct IrisMask {
     std::string png;  // its bytes, not looked at
     IrisMaskScale scale = IrisMaskScale::kArea;
+};
+
+// What an artist makes of one ghost.
+struct ArtistGhost {
+    std::vector<int> sequence;
+    double gain = 1.0;
+    std::array<double, 3> tint{1.0, 1.0, 1.0};  // not in kSpectral
+    bool mute = false;
 };
 
 struct Iris {
@@ -89,7 +99,7 @@ struct Light {
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
     std::optional<double> temperature_k;
     std::optional<SampledSpectrum> spectrum;
-    double angular_diameter_deg = 0.0;  // above 0 only without ghosts
+    double angular_diameter_deg = 0.0;  // above 0 only for the starburst alone, or by photons
 };
 
 // The reference by photons in place of meshes.
@@ -134,6 +144,8 @@ struct FlareRequest {
     Quality quality;
     Layers layers;
     Starburst starburst;
+    Split split = Split::kNone;
+    std::vector<ArtistGhost> artist;
     Model model;
     Output output;
 };

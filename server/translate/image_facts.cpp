@@ -3,8 +3,11 @@
 // Names of OpenEXR's standard attributes where there is one (lensModel, aperture in f-stops,
 // nominalFocalLength in mm, focus in metres); the rest begins with "flare". A picture focused at
 // infinity has no focus attribute: readers differ in what they make of an infinite one.
+#include <array>
+#include <cstdio>
 #include <map>
 
+#include "core/render/ghost_split.h"
 #include "server/translate/report_json.h"
 
 namespace flare {
@@ -27,6 +30,23 @@ std::string ModelsText(const std::vector<GhostFacts>& ghosts) {
     return Joined(parts, "; ");
 }
 
+// "9_1: gain 2, tint 1 0.5 0.2; 6_2: mute".
+std::string ArtistText(const std::vector<ArtistGhost>& ghosts) {
+    std::vector<std::string> parts;
+    for (const ArtistGhost& ghost : ghosts) {
+        std::array<char, 160> text{};
+        const Vec3d& tint = ghost.tint;
+        if (ghost.mute) {
+            std::snprintf(text.data(), text.size(), "mute");
+        } else {
+            std::snprintf(text.data(), text.size(), "gain %.9g, tint %.9g %.9g %.9g", ghost.gain,
+                          tint.x, tint.y, tint.z);
+        }
+        parts.push_back(SequenceLabel(ghost.sequence) + ": " + text.data());
+    }
+    return Joined(parts, "; ");
+}
+
 }  // namespace
 
 void AddFactAttributes(const FlareRequest& request, const Facts& facts,
@@ -44,6 +64,7 @@ void AddFactAttributes(const FlareRequest& request, const Facts& facts,
                        request.units == Units::kSceneLinear ? "scene_linear" : "sensor_irradiance");
     texts.emplace_back("flareColorSpace", ColorSpaceName(request));
     if (!facts.ghosts.empty()) texts.emplace_back("flareModels", ModelsText(facts.ghosts));
+    if (!request.artist.empty()) texts.emplace_back("flareArtist", ArtistText(request.artist));
     if (!facts.clamped.empty()) texts.emplace_back("flareClamped", Joined(facts.clamped, "; "));
     if (spectral) texts.emplace_back("spectralLayoutVersion", "1.0");
 

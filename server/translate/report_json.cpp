@@ -91,6 +91,9 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Member("f_number", report.facts.f_number);
     if (reply.encoder) WriteEncoder(json, *reply.encoder);
     json.Member("saturated_pixels", report.facts.saturated_pixels);
+    if (!request.artist.empty()) {
+        json.Member("artist_ghosts", static_cast<std::uint64_t>(request.artist.size()));
+    }
     json.Member("culled_flux_mm2", report.facts.culled_flux_mm2);
     const EstimatedError& error = report.facts.estimated_error;
     json.Key("estimated_error").BeginInlineObject().Member("rel_l1", error.rel_l1);
@@ -199,6 +202,24 @@ void WriteStarburst(JsonWriter& json, const StarburstSpec& spec, const Starburst
     json.Member("jitter_count", spec.jitter_count).Member("seed", spec.seed).End();
 }
 
+void WriteBokeh(JsonWriter& json, const BokehFacts& facts) {
+    json.Key("bokeh").BeginInlineObject().Member("lights", facts.lights);
+    json.Member("flux_mm2", facts.flux_mm2).End();
+}
+
+// What an artist has made of the ghosts: the picture is not what the lens does.
+void WriteArtist(JsonWriter& json, const std::vector<ArtistGhost>& ghosts) {
+    json.Key("artist").BeginArray();
+    for (const ArtistGhost& ghost : ghosts) {
+        json.BeginInlineObject();
+        WriteSequence(json, ghost.sequence);
+        json.Member("gain", ghost.gain).Key("tint").BeginRow();
+        json.Value(ghost.tint.x).Value(ghost.tint.y).Value(ghost.tint.z).End();
+        json.Member("mute", ghost.mute).End();
+    }
+    json.End();
+}
+
 void WriteClamped(JsonWriter& json, const std::vector<std::string>& clamped) {
     json.Key("clamped").BeginArray();
     for (const std::string& text : clamped) json.Value(text);
@@ -249,6 +270,8 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
         json.Member("landed", facts.photon->landed).Member("rel_l1", facts.photon->rel_l1).End();
     }
     if (facts.starburst) WriteStarburst(json, request.starburst, *facts.starburst);
+    if (facts.bokeh) WriteBokeh(json, *facts.bokeh);
+    if (!request.artist.empty()) WriteArtist(json, request.artist);
     WriteGhosts(json, facts.ghosts);
     WriteWork(json, report.work, reply);
     json.End();

@@ -107,6 +107,18 @@ std::shared_ptr<const Spectrum> SpectrumFromWire(const wire::SampledSpectrum& cu
     return std::make_shared<const Spectrum>(power);
 }
 
+SplitBy SplitFromWire(wire::Split split) {
+    switch (split) {
+        case wire::Split::kNone:
+            return SplitBy::kNone;
+        case wire::Split::kGhost:
+            return SplitBy::kGhost;
+        case wire::Split::kLight:
+            return SplitBy::kLight;
+    }
+    return SplitBy::kNone;
+}
+
 LightSpec LightFromWire(const wire::Light& light) {
     LightSpec spec;
     if (light.direction) spec.direction = DirectionFromWire(*light.direction);
@@ -141,7 +153,13 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.state = lens->state;
     translated.state_clamped = std::move(lens->clamped);
     translated.model = ModelFromWire(request.model);
-    translated.layers = {request.layers.ghosts, request.layers.starburst};
+    translated.layers = {request.layers.ghosts, request.layers.starburst, request.layers.bokeh};
+    translated.split = SplitFromWire(request.split);
+    for (const wire::ArtistGhost& ghost : request.artist) {
+        translated.artist.push_back({ghost.sequence, ghost.gain,
+                                     Vec3d(ghost.tint[0], ghost.tint[1], ghost.tint[2]),
+                                     ghost.mute});
+    }
     const wire::Starburst& starburst = request.starburst;
     translated.starburst = {starburst.core, starburst.jitter_deg, starburst.jitter_count,
                             static_cast<std::uint64_t>(starburst.seed)};

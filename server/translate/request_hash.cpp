@@ -92,6 +92,14 @@ void Add(Fingerprinter& hash, const wire::Starburst& starburst) {
     hash.Add(starburst.jitter_count).Add(starburst.seed);
 }
 
+void Add(Fingerprinter& hash, const wire::ArtistGhost& ghost) {
+    hash.Add(static_cast<std::int64_t>(ghost.sequence.size()));
+    for (const int surface : ghost.sequence) hash.Add(surface);
+    hash.Add(ghost.gain);
+    Add(hash, ghost.tint);
+    hash.Add(ghost.mute);
+}
+
 // What the picture and its header take from a lens beyond its surfaces.
 void Add(Fingerprinter& hash, const Lens& lens) {
     const Prescription& prescription = lens.prescription();
@@ -142,6 +150,14 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     if (request.layers.starburst) Add(hash, request.starburst);
     hash.Add(static_cast<int>(request.output.compression));
     hash.Add(static_cast<int>(request.output.pixel));
+    if (request.layers.bokeh) hash.Add("bokeh");
+    if (request.split != wire::Split::kNone) {
+        hash.Add("split").Add(static_cast<int>(request.split));
+    }
+    if (!request.artist.empty()) {
+        hash.Add("artist").Add(static_cast<std::int64_t>(request.artist.size()));
+        for (const wire::ArtistGhost& ghost : request.artist) Add(hash, ghost);
+    }
     return hash.value();
 }
 

@@ -123,7 +123,9 @@ BODIES = [
     (changed(color_space="spectral", wavelengths_nm=[-5]), 400, "bad_value", "/wavelengths_nm/0"),
     (changed(wavelengths_nm=[550]), 400, "bad_value", "/wavelengths_nm"),
     # In the contract, not built yet.
-    (changed(layers=["bokeh"]), 400, "unsupported", "/layers/0"),
+    (changed(split="ghosts"), 400, "bad_value", "/split"),
+    (changed(artist={"ghosts": [{"sequence": [1, 9]}]}), 400, "bad_value",
+     "/artist/ghosts/0/sequence"),
     (changed(encoder="follow-focus"), 404, "unknown_encoder", "/encoder"),
     (changed(color_space="srgb"), 400, "bad_value", "/color_space"),
     (changed(quality={"max_error": 2}), 400, "bad_value", "/quality/max_error"),

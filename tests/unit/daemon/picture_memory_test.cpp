@@ -43,6 +43,25 @@ TEST(PictureMemory, TheStarburstTakesMore) {
     EXPECT_GE(PictureBytes(request), ghosts + 1920ULL * 1080 * 3 * 12 + 128 * kMiB);
 }
 
+TEST(PictureMemory, BokehAndSplitLayersTakeMore) {
+    wire::FlareRequest request = Sized(1920, 1080);
+    const std::uint64_t samples = 1920ULL * 1080 * 3;
+    const std::uint64_t ghosts = PictureBytes(request);
+    request.layers.bokeh = true;
+    EXPECT_GE(PictureBytes(request), ghosts + samples * 12);
+    request.layers.bokeh = false;
+    request.split = wire::Split::kLight;
+    request.lights.resize(5);
+    EXPECT_GE(PictureBytes(request), ghosts + 5 * samples * 4);
+    EXPECT_LE(PictureBytes(request), ghosts + 15 * samples * 8);
+    // How many ghosts the lens has is not known: 2^27 pixels of layers at most.
+    request.split = wire::Split::kGhost;
+    EXPECT_GE(PictureBytes(request), ghosts + 64 * samples * 4);
+    request = Sized(64, 64);
+    request.split = wire::Split::kGhost;
+    EXPECT_LE(PictureBytes(request), std::uint64_t{64} * kMiB);
+}
+
 TEST(PictureMemory, TheLargestPictureDoesNotOverflow) {
     wire::FlareRequest request = Sized(16'384, 4'096);
     request.color_space = wire::ColorSpace::kSpectral;

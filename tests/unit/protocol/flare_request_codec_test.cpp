@@ -116,6 +116,25 @@ TEST(FlareRequestCodec, ReadsLayersAndTheStarburst) {
     EXPECT_EQ(one.starburst.seed, 77);
 }
 
+TEST(FlareRequestCodec, ReadsBokehSplitAndArtist) {
+    const FlareRequest none = Accepted(With(R"("layers":["bokeh"])"));
+    EXPECT_TRUE(none.layers.bokeh);
+    EXPECT_FALSE(none.layers.ghosts);
+    EXPECT_EQ(none.split, Split::kNone);
+    EXPECT_TRUE(none.artist.empty());
+    EXPECT_EQ(Accepted(With(R"("split":"light")")).split, Split::kLight);
+    const FlareRequest request = Accepted(With(R"("split":"ghost","artist":{"ghosts":[
+        {"sequence":[9,1],"gain":2,"tint":[1,0.5,0.2]},{"sequence":[8,4],"mute":true}]})"));
+    EXPECT_EQ(request.split, Split::kGhost);
+    ASSERT_EQ(request.artist.size(), 2U);
+    EXPECT_EQ(request.artist[0].sequence, (std::vector<int>{9, 1}));
+    EXPECT_EQ(request.artist[0].gain, 2.0);
+    EXPECT_EQ(request.artist[0].tint, (std::array<double, 3>{1.0, 0.5, 0.2}));
+    EXPECT_FALSE(request.artist[0].mute);
+    EXPECT_EQ(request.artist[1].gain, 1.0);
+    EXPECT_TRUE(request.artist[1].mute);
+}
+
 // Ghosts are those of points; the starburst alone may be that of a disc.
 TEST(FlareRequestCodec, TakesADiscForTheStarburstAlone) {
     const FlareRequest request = Accepted(

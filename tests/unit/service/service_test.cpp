@@ -270,6 +270,39 @@ TEST_F(Service, RefusesASensorReflectionThatTheLensHasNot) {
     EXPECT_EQ(reply.error().where, "/model/sensor_reflection");
 }
 
+// Layers for single ghosts, and the mark that a picture bears once an artist has changed it.
+TEST_F(Service, MarksWhatAnArtistHasChanged) {
+    std::string body(kBody);
+    body.insert(body.rfind('}'), R"(,"layers":["ghosts","bokeh"],"split":"ghost",
+        "artist":{"ghosts":[{"sequence":[1,0],"gain":2.5,"tint":[1,0.5,0.25]},
+                            {"sequence":[4,3],"mute":true}]})");
+    const auto reply = Serve(body, ReplyFormat::kExr);
+    ASSERT_TRUE(reply) << reply.error().where << reply.error().message;
+    const auto image = DecodeExr(reply->bytes);
+    ASSERT_TRUE(image) << image.error().message;
+    const auto has = [&](const std::string& name) {
+        return std::any_of(image->planes.begin(), image->planes.end(),
+                           [&](const ImagePlane& plane) { return plane.name == name; });
+    };
+    EXPECT_TRUE(has("bokeh.R") && has("ghosts.R") && has("ghosts.1_0.R"));
+    EXPECT_FALSE(has("ghosts.4_3.R"));
+    const std::pair<std::string, std::string> mark{"flareArtist",
+                                                   "1_0: gain 2.5, tint 1 0.5 0.25; 4_3: mute"};
+    EXPECT_EQ(std::count(image->text_attributes.begin(), image->text_attributes.end(), mark), 1);
+    const wire::JsonDocument report = Parsed(reply->report);
+    EXPECT_EQ(report.root().Find("artist")->child_count(), 2U);
+    EXPECT_EQ(report.root().Find("artist_ghosts")->number(), 2.0);
+    EXPECT_GT(report.root().Find("bokeh")->Find("flux_mm2")->number(), 0.0);
+    EXPECT_TRUE(Parsed(reply->report_summary).root().Find("artist_ghosts"));
+
+    const auto plain = Serve(kBody, ReplyFormat::kExr);
+    const auto untouched = DecodeExr(plain->bytes);
+    EXPECT_TRUE(
+        std::none_of(untouched->text_attributes.begin(), untouched->text_attributes.end(),
+                     [](const auto& attribute) { return attribute.first == "flareArtist"; }));
+    EXPECT_FALSE(Parsed(plain->report).root().Find("artist"));
+}
+
 TEST_F(Service, SumsUpInOneHeaderLine) {
     const auto reply = Serve(kBody, ReplyFormat::kExr, "r-17");
     ASSERT_TRUE(reply);

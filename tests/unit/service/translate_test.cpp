@@ -277,6 +277,15 @@ TEST(RequestHash, ChangesWithEveryField) {
                                 R"("layers":["starburst"],"starburst":{"jitter_deg":1})",
                                 R"("layers":["starburst"],"starburst":{"jitter_count":4})",
                                 R"("layers":["starburst"],"starburst":{"seed":4})",
+                                R"("layers":["bokeh"])",
+                                R"("layers":["ghosts","bokeh"])",
+                                R"("split":"ghost")",
+                                R"("split":"light")",
+                                R"("artist":{"ghosts":[{"sequence":[9,1]}]})",
+                                R"("artist":{"ghosts":[{"sequence":[8,1]}]})",
+                                R"("artist":{"ghosts":[{"sequence":[9,1],"gain":2}]})",
+                                R"("artist":{"ghosts":[{"sequence":[9,1],"tint":[1,2,1]}]})",
+                                R"("artist":{"ghosts":[{"sequence":[9,1],"mute":true}]})",
                                 R"("model":{"ringing":"off"})"}) {
         hashes.push_back(HashOf(SeedBody(members)));
     }
@@ -319,6 +328,10 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(limits::kMaxPhotonNearest, kMaxPhotonNearest);
     EXPECT_EQ(limits::kMinTemperature_k, kMinTemperature_k);
     EXPECT_EQ(limits::kMaxTemperature_k, kMaxTemperature_k);
+    EXPECT_EQ(limits::kSplitLayers, kMaxSplitLayers);
+    EXPECT_EQ(limits::kSplitPixels, kMaxSplitPixels);
+    EXPECT_EQ(limits::kArtistGhosts, kMaxArtistGhosts);
+    EXPECT_EQ(limits::kMaxArtistGain, kMaxArtistGain);
     EXPECT_EQ(limits::kMaxJitter_deg, kMaxJitter_deg);
     EXPECT_EQ(limits::kMaxJitterCount, kMaxJitterCount);
     EXPECT_EQ(limits::kMinTolerance, kMinTolerance);
