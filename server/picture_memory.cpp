@@ -5,6 +5,7 @@
 // 24 bytes at the very most (two uncompressed floats, three times, in a picture of few lines).
 #include "server/picture_memory.h"
 
+#include <algorithm>
 #include <variant>
 
 #include "protocol/codec/flare_request_codec.h"
@@ -17,6 +18,9 @@ constexpr std::uint64_t kBytesPerSample = 8 + 2 * 4 + 24;
 constexpr std::uint64_t kBytesPerStarburstSample = 8 + 4 + 12;
 // Its transform and the tables of a light, whatever the picture's size.
 constexpr std::uint64_t kStarburstBytes = std::uint64_t{192} << 20;
+// Ghosts of lights that are discs: floats of their own picture and of a ghost's, with its tiles and
+// its copy while it is blurred, all with a margin.
+constexpr std::uint64_t kBytesPerDiscSample = 48;
 // The ghosts of one batch with their colour tables, whatever the picture's size.
 constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
 
@@ -36,7 +40,11 @@ std::uint64_t PictureBytes(const wire::FlareRequest& request) {
     const std::uint64_t channels = spectral ? request.wavelengths_nm.size() : 3;
     const std::uint64_t pixels =
         static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-    const std::uint64_t ghosts = kBytesPerRequest + pixels * channels * kBytesPerSample;
+    std::uint64_t ghosts = kBytesPerRequest + pixels * channels * kBytesPerSample;
+    const bool discs =
+        std::any_of(request.lights.begin(), request.lights.end(),
+                    [](const auto& light) { return light.angular_diameter_deg > 0.0; });
+    if (discs && request.layers.ghosts) ghosts += pixels * channels * kBytesPerDiscSample;
     if (!request.layers.starburst) return ghosts;
     return ghosts + kStarburstBytes + pixels * channels * kBytesPerStarburstSample;
 }

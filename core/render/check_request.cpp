@@ -109,9 +109,6 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
-        if (diameter > 0.0 && request.layers.ghosts) {
-            return Bad(place, "ghosts of lights that are no points are not built", "unsupported");
-        }
     }
     return std::nullopt;
 }

@@ -73,7 +73,7 @@ struct LightSpec {
     std::optional<Vec2d> pixel;  // or the place in the full frame, from its top left corner
     std::optional<double> distance_m;   // from the centre of the entrance pupil; absent: infinity
     Vec3d irradiance{1.0, 1.0, 1.0};    // E0 on a plane perpendicular to the direction, RGB
-    double angular_diameter_deg = 0.0;  // of its disc; ghosts are those of a point
+    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
 };
 
 struct FlareRequest {

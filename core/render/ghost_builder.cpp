@@ -2,6 +2,7 @@
 #include "core/render/ghost_builder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/units.h"
 #include "core/image/cell_fits.h"
@@ -25,10 +26,30 @@ std::vector<double> BoundingWavelengths(const RenderScene& scene) {
 
 }  // namespace
 
-GhostBuilder::GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
-                           const RenderContext& context)
+GhostCanvas GhostCanvas::Of(const RenderScene& scene, const TilePicture* tile_picture) {
+    GhostCanvas canvas;
+    canvas.window = scene.window;
+    canvas.frame = {0, 0, scene.request.image.width, scene.request.image.height};
+    if (!tile_picture) return canvas;
+    canvas.origin_x = tile_picture->middle_x();
+    canvas.origin_y = tile_picture->middle_y();
+    canvas.window = tile_picture->padded();
+    canvas.frame = tile_picture->FromMiddle(canvas.frame);
+    canvas.tiles = true;
+    canvas.unit = tile_picture->unit();
+    return canvas;
+}
+
+PictureMap GhostCanvas::MapOnto(PictureMap map) const {
+    const double size = std::ldexp(1.0, -coarse);
+    map.offset_px = (map.offset_px - Vec2d(origin_x, origin_y)) * size;
+    map.px_per_x *= size;
+    map.px_per_y *= size;
+    return map;
+}
+
+GhostBuilder::GhostBuilder(const RenderScene& scene, const RenderContext& context)
     : scene_(scene),
-      tile_picture_(tile_picture),
       context_(context),
       tables_(scene.lens,
               scene.spectral()
@@ -53,7 +74,8 @@ LightColour GhostBuilder::ColourOf(const PlacedLight& light, double weight) cons
 }
 
 GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
-                                        double weight, bool with_flux) const {
+                                        double weight, bool with_flux,
+                                        const GhostCanvas& canvas) const {
     Built built;
     if (context_.cancel.cancelled()) return built;
     const Lens& lens = scene_.lens;
@@ -77,22 +99,21 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         built.flux_mm2 =
             EstimateOf(*surface, bundle, lens, flux_tables_, iris, light.pose).flux_mm2;
     }
-    PictureMap map = MapOf(scene_.request, light.pose);
-    if (tile_picture_) map = tile_picture_->MapFromMiddle(map);
+    const PictureMap map = canvas.MapOnto(MapOf(scene_.request, light.pose));
     std::vector<GhostLight::Cell> cells =
         CellsInWindow(*surface, bounded_nm_, iris, map,
-                      tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
+                      canvas.tiles ? WalkWindow{} : WalkWindowOf(canvas.window));
     built.work.cells = cells.size();
     LightColour colour = ColourOf(light, weight);
     if (!cells.empty()) {
-        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, cells);
+        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, map, canvas, cells);
         built.miss = MeshMissOf(*surface, in_frame, map);
         if (!colour.spectral) colour.dispersion_px = DispersionPx(*surface, in_frame, map);
     }
     MaskFields masks;
-    if (tile_picture_) {
+    if (canvas.tiles) {
         masks = MasksOf(*surface, cells, iris);
-        AddRing(*surface, map, tile_picture_->padded(), cells);
+        AddRing(*surface, map, canvas.window, cells);
         const bool any =
             std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.ring; });
         if (!any) return built;
@@ -103,25 +124,24 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         built.dispersion_step_px =
             colour.dispersion_px / static_cast<double>(ghost.bands.size() - 1);
     }
-    if (tile_picture_) {
+    if (canvas.tiles) {
         ghost.masks = std::move(masks);
-        built.ghost.tiles = TilesOf(ghost, iris, map, tile_picture_->padded(),
-                                    *scene_.settings.tiles, tile_picture_->unit());
+        built.ghost.tiles =
+            TilesOf(ghost, iris, map, canvas.window, *scene_.settings.tiles, canvas.unit);
     }
     return built;
 }
 
 // The cells of the whole frame, whatever window `cells` are those of.
 std::vector<GhostLight::Cell> GhostBuilder::InFrame(
-    const GhostSurface& surface, const PictureMap& map,
+    const GhostSurface& surface, const PictureMap& map, const GhostCanvas& canvas,
     const std::vector<GhostLight::Cell>& cells) const {
-    const PixelWindow frame{0, 0, scene_.request.image.width, scene_.request.image.height};
-    if (!tile_picture_) {
-        return scene_.window == frame
+    const WalkWindow around = WalkWindowOf(canvas.frame);
+    if (!canvas.tiles) {
+        return canvas.window == canvas.frame
                    ? cells
-                   : CellsInWindow(surface, bounded_nm_, scene_.iris, map, WalkWindowOf(frame));
+                   : CellsInWindow(surface, bounded_nm_, scene_.iris, map, around);
     }
-    const WalkWindow around = WalkWindowOf(tile_picture_->FromMiddle(frame));
     std::vector<GhostLight::Cell> touching;
     for (const GhostLight::Cell& cell : cells) {
         if (Touches(cell, around)) touching.push_back(cell);

@@ -2,14 +2,19 @@
 #include "core/render/ghost_layer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
+#include "core/base/units.h"
 #include "core/render/ghost_choice.h"
 
 namespace flare {
 namespace {
 
 constexpr int kGhostsPerBatch = 12;
+// A wider light is taken apart before its ghosts are chosen.
+constexpr double kWidest_rad = RadiansFromDegrees(2.5);
 
 double BrightestChannel(const std::vector<LightSpec>& lights) {
     double brightest = 0.0;
@@ -30,7 +35,8 @@ GhostLayer::GhostLayer(const RenderScene& scene, const RenderContext& context, R
       planner_(scene.request, scene.iris, scene.units_factor, context.threads),
       error_(scene.lens, scene.settings, scene.spectral()) {
     MakePicture();
-    builder_.emplace(scene, tile_picture_ ? &*tile_picture_ : nullptr, context);
+    canvas_ = GhostCanvas::Of(scene, tile_picture_ ? &*tile_picture_ : nullptr);
+    builder_.emplace(scene, context);
     for (const BounceSequence& sequence : sequences_) {
         report_.facts.ghosts.push_back({sequence, "geometric", 0.0});
     }
@@ -50,6 +56,23 @@ void GhostLayer::MakePicture() {
 std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
     const Vec3d& e = light.irradiance;
     if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return std::nullopt;
+    if (light.angular_diameter_rad == 0.0) {
+        if (std::optional<Error> error = AddLight(light, nullptr, {}, reported)) return error;
+    } else {
+        const SourceDisc disc(scene_.lens, light);
+        const int side = static_cast<int>(std::ceil(light.angular_diameter_rad / kWidest_rad));
+        for (int k = 0; k < side * side; ++k) {
+            const SourceSquare part = SourceSquare().Part(k % side, k / side, side);
+            if (std::optional<Error> error = AddLight(disc.LightOf(part), &disc, part, reported)) {
+                return error;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const SourceDisc* disc,
+                                          const SourceSquare& part, bool reported) {
     std::vector<std::size_t> ghosts_of_light(sequences_.size());
     std::iota(ghosts_of_light.begin(), ghosts_of_light.end(), std::size_t{0});
     if (scene_.request.model.reflections == 4) {
@@ -58,6 +81,7 @@ std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
         report_.work.mesh_ms += context_.now_ms() - before;
     }
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
+    if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
     for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
         if (context_.cancel.cancelled()) break;
         const std::size_t count = std::min<std::size_t>(kGhostsPerBatch, planned.size() - first);
@@ -75,7 +99,7 @@ void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> plan
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
         built[n] = builder_->Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
-                                   reported);
+                                   reported, canvas_);
     });
     std::vector<TiledGhost> ghosts;
     for (std::size_t n = 0; n < planned.size(); ++n) {
@@ -83,8 +107,8 @@ void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> plan
         ghost.miss = built[n].miss;
         ghost.dispersion_step_px = built[n].dispersion_step_px.value_or(ghost.dispersion_step_px);
         error_.AddDrawn(ghost.sample, ghost.weight, ghost.dispersion_step_px, ghost.miss);
-        report_.facts.ghosts[ghost.index].flux_mm2 += built[n].flux_mm2;
-        AddWork(built[n].work);
+        report_.facts.ghosts[ghost.index].flux_mm2 += light.share * built[n].flux_mm2;
+        report_.work.Add(built[n].work);
         ghosts.push_back(std::move(built[n].ghost));
     }
     const double t1 = context_.now_ms();
@@ -92,6 +116,37 @@ void GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> plan
     if (context_.cancel.cancelled()) return;
     Draw(ghosts, MapOf(scene_.request, light.pose));
     report_.work.raster_ms += context_.now_ms() - t1;
+}
+
+void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
+                                  const SourceSquare& part, std::vector<PlannedGhost>& planned,
+                                  bool reported) {
+    const std::vector<BlurChoice> choices =
+        ChooseBlur(planned, 0.5 * light.angular_diameter_rad, scene_.settings);
+    std::vector<BlurredGhosts::Job> jobs;
+    std::vector<PlannedGhost> sharp;
+    for (std::size_t n = 0; n < planned.size(); ++n) {
+        GhostFacts& facts = report_.facts.ghosts[planned[n].index];
+        const int side = choices[n].side;
+        facts.source_directions = std::max(facts.source_directions, side * side);
+        if (side == 0) {
+            sharp.push_back(planned[n]);
+        } else {
+            jobs.push_back({&planned[n], &facts.sequence, choices[n]});
+        }
+    }
+    if (!blurred_) blurred_.emplace(scene_, context_, *builder_, canvas_);
+    const std::vector<BlurredGhosts::Drawn> drawn =
+        blurred_->Add(disc, part, light, jobs, reported, report_.work);
+    for (std::size_t n = 0; n < jobs.size(); ++n) {
+        const PlannedGhost& ghost = *jobs[n].planned;
+        report_.facts.ghosts[ghost.index].flux_mm2 += light.share * drawn[n].flux_mm2;
+        const int side = jobs[n].choice.side;
+        error_.AddDrawn(ghost.sample, ghost.weight, drawn[n].dispersion_step_px.value_or(0.0),
+                        drawn[n].miss);
+        error_.AddSource(ghost.sample, ghost.weight, ghost.motion->error / (side * side));
+    }
+    planned = std::move(sharp);
 }
 
 void GhostLayer::Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map) {
@@ -123,9 +178,9 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
     Facts& facts = report_.facts;
     facts.culling.culled += plan.facts.culled;
     facts.culling.faded += plan.facts.faded;
-    facts.culling.frame_flux_mm2 += plan.facts.frame_flux_mm2;
-    facts.culling.lost_flux_mm2 += plan.facts.lost_flux_mm2;
-    facts.culled_flux_mm2 += plan.facts.lost_flux_mm2;
+    facts.culling.frame_flux_mm2 += light.share * plan.facts.frame_flux_mm2;
+    facts.culling.lost_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
+    facts.culled_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
     error_.AddLight(plan.frame_light, plan.lost_light);
     drawn_.resize(facts.ghosts.size());
     for (PlannedGhost& ghost : plan.drawn) {
@@ -133,7 +188,8 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
         drawn_[ghost.index] = true;
     }
     for (const PlannedGhost& ghost : plan.left_out) {
-        if (reported) facts.ghosts[indices[ghost.index]].flux_mm2 += ghost.sample.flux_mm2;
+        if (reported)
+            facts.ghosts[indices[ghost.index]].flux_mm2 += light.share * ghost.sample.flux_mm2;
     }
     report_.work.sampled_rays += plan.rays;
     report_.work.cull_ms += context_.now_ms() - before;
@@ -149,11 +205,13 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     if (!choice) return choice.error();
     Facts& facts = report_.facts;
     FourReflectionFacts four = choice->facts;
+    four.rendered_flux_mm2 *= light.share;
+    four.lost_flux_mm2 *= light.share;
+    facts.culled_flux_mm2 += four.lost_flux_mm2;
     if (facts.four_reflections) {
         four.rendered_flux_mm2 += facts.four_reflections->rendered_flux_mm2;
         four.lost_flux_mm2 += facts.four_reflections->lost_flux_mm2;
     }
-    facts.culled_flux_mm2 += choice->facts.lost_flux_mm2;
     report_.work.rays_traced += choice->rays_traced;
     for (const BounceSequence& sequence : choice->sequences) {
         const auto [known, added] = fours_.emplace(sequence, facts.ghosts.size());
@@ -163,15 +221,6 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     four.rendered = fours_.size();
     facts.four_reflections = four;
     return std::nullopt;
-}
-
-void GhostLayer::AddWork(const Work& w) {
-    report_.work.rays_traced += w.rays_traced;
-    report_.work.ray_surfaces += w.ray_surfaces;
-    report_.work.cells += w.cells;
-    report_.work.mesh_hits += w.mesh_hits;
-    report_.work.mesh_misses += w.mesh_misses;
-    report_.work.mesh_disk_hits += w.mesh_disk_hits;
 }
 
 void GhostLayer::Finish() {
@@ -185,10 +234,21 @@ std::vector<std::vector<float>> GhostLayer::Resolve(double scale) {
     std::vector<std::vector<float>> planes(scene_.channel_count());
     if (tile_picture_) {
         std::ranges::move(tile_picture_->Resolve(scale, context_.threads), planes.begin());
-        return planes;
+    } else {
+        context_.threads.For(static_cast<int>(planes.size()), [&](int c) {
+            planes[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);
+        });
     }
+    if (!blurred_) return planes;
+    const LightPlanes blurred = blurred_->Take();
+    constexpr double kMost = std::numeric_limits<float>::max();
     context_.threads.For(static_cast<int>(planes.size()), [&](int c) {
-        planes[static_cast<std::size_t>(c)] = picture_->Channel(c, scale);
+        std::vector<float>& plane = planes[static_cast<std::size_t>(c)];
+        const std::vector<float>& more = blurred.channels[static_cast<std::size_t>(c)];
+        for (std::size_t k = 0; k < plane.size(); ++k) {
+            const double sum = static_cast<double>(plane[k]) + scale * static_cast<double>(more[k]);
+            plane[k] = static_cast<float>(std::clamp(sum, -kMost, kMost));
+        }
     });
     return planes;
 }

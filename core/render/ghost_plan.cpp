@@ -72,21 +72,50 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
         samples[n] = SampleGhost(scene, sequences[n]);
     });
 
-    const std::vector<double> weights = Weights(sequences, samples);
+    std::vector<double> weights = Weights(sequences, samples);
+    std::vector<std::optional<GhostMotion>> motions(samples.size());
+    if (light.angular_diameter_rad > 0.0) {
+        motions =
+            Motions(scene, 0.5 * light.angular_diameter_rad, sequences, samples, context, weights);
+    }
     GhostPlan plan;
     for (std::size_t n = 0; n < samples.size(); ++n) {
         const GhostSample& sample = samples[n];
         const double weight = weights[n];
-        plan.rays += sample.rays;
+        plan.rays += sample.rays + (motions[n] ? motions[n]->rays : 0);
         plan.frame_light += sample.frame_light;
         plan.lost_light += (1.0 - weight) * sample.frame_light;
         plan.facts.frame_flux_mm2 += sample.frame_flux_mm2;
         plan.facts.lost_flux_mm2 += (1.0 - weight) * sample.frame_flux_mm2;
         plan.facts.culled += weight == 0.0 ? 1 : 0;
         plan.facts.faded += weight > 0.0 && weight < 1.0 ? 1 : 0;
-        (weight > 0.0 ? plan.drawn : plan.left_out).push_back({n, weight, sample, 0.0, {}});
+        (weight > 0.0 ? plan.drawn : plan.left_out)
+            .push_back({n, weight, sample, motions[n], 0.0, {}});
     }
     return plan;
+}
+
+// Of the ghosts that are drawn; those that only their motion brings into the frame get a weight.
+std::vector<std::optional<GhostMotion>> GhostPlanner::Motions(
+    const SampleScene& scene, double radius_rad, const std::vector<BounceSequence>& sequences,
+    const std::vector<GhostSample>& samples, const RenderContext& context,
+    std::vector<double>& weights) const {
+    std::vector<std::optional<GhostMotion>> motions(samples.size());
+    context.threads.For(static_cast<int>(samples.size()), [&](int i) {
+        const auto n = static_cast<std::size_t>(i);
+        const GhostSample& sample = samples[n];
+        const bool beyond = weights[n] == 0.0 && sample.frame_light <= 0.0 && sample.flux_mm2 > 0.0;
+        if (context.cancel.cancelled() || (weights[n] == 0.0 && !beyond)) return;
+        if (beyond && request_.model.culling != CullingRule::kAuto) return;
+        motions[n] = MotionOf(scene, sequences[n], sample.region, radius_rad);
+        if (!beyond) return;
+        const Vec2d reach = ReachOf(*motions[n], radius_rad);
+        const bool near = sample.box_lo_px.x < scene.width + reach.x &&
+                          sample.box_lo_px.y < scene.height + reach.y &&
+                          sample.box_hi_px.x > -reach.x && sample.box_hi_px.y > -reach.y;
+        if (near && motions[n]->known) weights[n] = 1.0;
+    });
+    return motions;
 }
 
 std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& sequences,

@@ -19,6 +19,7 @@ struct PlacedLight {
     double inverse_distance = 0.0;  // 1/mm from the entrance pupil's centre
     Vec3d irradiance{0.0, 0.0, 0.0};
     double angular_diameter_rad = 0.0;
+    double share = 1.0;  // of the request's light that this one stands for
 };
 
 // The projection that `pixel` uses for this lens and request.
@@ -27,6 +28,9 @@ Projection ProjectionOf(const FlareRequest& request);
 // Light number `index` of the request. Errors: the place cannot be seen, or lies inside the lens;
 // `where` is "/lights/N/...".
 Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index);
+
+// The same light from another direction (camera axes, unit length).
+PlacedLight FacedTo(const Lens& lens, PlacedLight light, const Vec3d& direction);
 
 // Millimetres a pixel on the sensor, horizontally and vertically.
 Vec2d PixelPitch(const FlareRequest& request);

@@ -63,14 +63,20 @@ struct TilePicture::Strip {
     std::vector<double> polygons;  // of a block
 };
 
+PixelWindow WholeBlocks(const PixelWindow& window) {
+    const int x0 = FloorDiv(window.x, kBlock) * kBlock;
+    const int y0 = FloorDiv(window.y, kBlock) * kBlock;
+    const int x1 = -FloorDiv(-(window.x + window.width), kBlock) * kBlock;
+    const int y1 = -FloorDiv(-(window.y + window.height), kBlock) * kBlock;
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
 TilePicture::TilePicture(const PixelWindow& window, int width, int height, double unit)
     : middle_x_(width / 2), middle_y_(height / 2), unit_(unit) {
     window_ = FromMiddle(window);
-    const int x0 = FloorDiv(window_.x, kBlock) * kBlock;
-    const int y0 = FloorDiv(window_.y, kBlock) * kBlock;
-    const int x1 = -FloorDiv(-(window_.x + window_.width), kBlock) * kBlock;
-    const int y1 = -FloorDiv(-(window_.y + window_.height), kBlock) * kBlock;
-    padded_ = {x0, y0, x1 - x0, y1 - y0};
+    padded_ = WholeBlocks(window_);
+    const int x0 = padded_.x;
+    const int y0 = padded_.y;
     for (int l = 0; l < kTileLevels; ++l) {
         Plane& plane = planes_[static_cast<std::size_t>(l)];
         const int size = TileSize(l);

@@ -23,6 +23,9 @@ struct TiledGhost {
     GhostTiles tiles;
 };
 
+// The whole blocks of tiles that a window touches.
+PixelWindow WholeBlocks(const PixelWindow& window);
+
 class TilePicture {
   public:
     // Tiles are laid out from the middle of a frame of `width` x `height`, so that a symmetric
@@ -34,6 +37,8 @@ class TilePicture {
     PictureMap MapFromMiddle(PictureMap map) const;
     PixelWindow FromMiddle(const PixelWindow& window) const;
     const PixelWindow& padded() const { return padded_; }
+    int middle_x() const { return middle_x_; }
+    int middle_y() const { return middle_y_; }
     double unit() const { return unit_; }
 
     struct Drawn {

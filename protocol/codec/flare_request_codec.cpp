@@ -148,7 +148,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                [&](const JsonView& v) { return ReadStarburst(reader, v, request.starburst); }) &&
            reader.Require(root, "lights", lights) &&
            ReadLights(reader, *lights, request.color_space == ColorSpace::kSpectral,
-                      request.layers.ghosts, request.lights) &&
+                      request.lights) &&
            IfGiven(root, "units",
                    [&](const JsonView& v) {
                        return reader.OneOf<Units>(v,

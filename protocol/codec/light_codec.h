@@ -11,9 +11,8 @@
 
 namespace flare::wire {
 
-// `spectral`: irradiances may be one number. `points`: only lights without extent are supported.
-bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
-                std::vector<Light>& lights);
+// `spectral`: irradiances may be one number.
+bool ReadLights(Reader& reader, const JsonView& at, bool spectral, std::vector<Light>& lights);
 bool ReadQuality(Reader& reader, const JsonView& at, Preset& preset);
 bool ReadModel(Reader& reader, const JsonView& at, Model& model);
 

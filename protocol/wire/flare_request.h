@@ -67,7 +67,7 @@ struct Light {
     std::optional<std::array<double, 2>> pixel;
     std::optional<double> distance_m;  // absent: infinitely far
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
-    double angular_diameter_deg = 0.0;  // above 0 only without ghosts
+    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
 };
 
 struct Output {

@@ -64,7 +64,7 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Key("estimated_error").BeginInlineObject().Member("rel_l1", error.rel_l1);
     json.Member("culling", error.culling).Member("dispersion", error.dispersion);
     json.Member("colour", error.colour).Member("mesh", error.mesh);
-    json.Member("pieces", error.pieces).End();
+    json.Member("pieces", error.pieces).Member("source", error.source).End();
 }
 
 std::string_view CullingName(CullingRule rule) {
@@ -137,7 +137,8 @@ void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
     for (std::size_t i = 0; i < listed; ++i) {
         json.BeginInlineObject();
         WriteSequence(json, ghosts[i].sequence);
-        json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2).End();
+        json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2);
+        json.Member("source_directions", ghosts[i].source_directions).End();
     }
     json.End();
 }

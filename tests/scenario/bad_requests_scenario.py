@@ -131,7 +131,7 @@ BODIES = [
     (changed(iris={"mask": "x"}), 400, "unsupported", "/iris/mask"),
     (with_light(direction=[0, 0, 1], temperature_k=3200), 400, "unsupported",
      "/lights/0/temperature_k"),
-    (with_light(direction=[0, 0, 1], angular_diameter_deg=0.5), 400, "unsupported",
+    (with_light(direction=[0, 0, 1], angular_diameter_deg=20.5), 400, "bad_value",
      "/lights/0/angular_diameter_deg"),
     # Inline lenses of every sort of brokenness.
     (changed(prescription={"name": "x", "surface": []}), 400, "bad_value", None),

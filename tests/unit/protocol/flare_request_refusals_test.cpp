@@ -365,8 +365,6 @@ const BadRequest kNotBuilt[] = {
     {"photon", With(R"("quality":{"preset":"reference","method":"photon"})"), "unsupported",
      "/quality/method"},
     {"dwaa", With(R"("output":{"compression":"dwaa"})"), "unsupported", "/output/compression"},
-    {"area_light", WithLight(R"({"direction":[0,0,1],"angular_diameter_deg":0.53})"), "unsupported",
-     "/lights/1/angular_diameter_deg"},
     {"temperature", WithLight(R"({"direction":[0,0,1],"temperature_k":3200})"), "unsupported",
      "/lights/1/temperature_k"},
 };
