@@ -119,30 +119,37 @@ class KernelRaster {
     std::vector<double> weights_;
 };
 
-// The columns of each row that are not black.
+// The columns of each row that are not black in all channels.
 struct LitColumns {
     std::vector<int> first, end;
 };
 
-LitColumns LitColumnsOf(const LightPlanes& light, std::size_t channel) {
+LitColumns LitColumnsOf(const LightPlanes& light) {
     const PixelWindow& w = light.window;
     LitColumns lit;
-    const float* row = light.channels[channel].data();
-    for (int y = 0; y < w.height; ++y, row += w.width) {
-        int first = 0;
-        int end = w.width;
-        while (first < end && row[first] == 0.0F) ++first;
-        while (end > first && row[end - 1] == 0.0F) --end;
+    for (int y = 0; y < w.height; ++y) {
+        int first = w.width;
+        int end = 0;
+        for (const std::vector<float>& channel : light.channels) {
+            const float* const row =
+                channel.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(w.width);
+            int from = 0;
+            while (from < first && row[from] == 0.0F) ++from;
+            first = from;
+            int to = w.width;
+            while (to > end && row[to - 1] == 0.0F) --to;
+            end = to;
+        }
         lit.first.push_back(w.x + first);
-        lit.end.push_back(w.x + end);
+        lit.end.push_back(w.x + std::max(first, end));
     }
     return lit;
 }
 
 // The rows that kBlurRun pixels from (x, y) on are summed from; what is black adds nothing, so
 // leaving it out changes no bit.
-void GatherRows(const LightPlanes& from, std::size_t channel, const LitColumns& lit,
-                const BlurKernel& kernel, int x, int y, std::vector<BlurRow>& rows) {
+void GatherRows(const LightPlanes& from, const LitColumns& lit, const BlurKernel& kernel, int x,
+                int y, std::vector<BlurRow>& rows) {
     rows.clear();
     for (int j = 0; j < kernel.height; ++j) {
         const int row = y - (kernel.y0 + j) - from.window.y;
@@ -154,7 +161,7 @@ void GatherRows(const LightPlanes& from, std::size_t channel, const LitColumns& 
             lit.end[r] <= x - (kernel.x0 + end - 1)) {
             continue;
         }
-        rows.push_back({from.channels[channel].data() +
+        rows.push_back({from.channels.front().data() +
                             r * static_cast<std::size_t>(from.window.width) +
                             (x - kernel.x0 - from.window.x),
                         &kernel.weights[static_cast<std::size_t>(j * kernel.width)], first, end});
@@ -242,25 +249,29 @@ void AddBlurred(const LightPlanes& from, const BlurKernel& kernel, LightPlanes& 
                             from.window.y + from.window.height + kernel.y0 + kernel.height - 1);
     if (x0 >= x1 || y0 >= y1) return;
     const auto channels = from.channels.size();
-    std::vector<LitColumns> lit(channels);
-    threads.For(static_cast<int>(channels), [&](int c) {
-        lit[static_cast<std::size_t>(c)] = LitColumnsOf(from, static_cast<std::size_t>(c));
-    });
+    const LitColumns lit = LitColumnsOf(from);
     threads.For((y1 - y0 + kRows - 1) / kRows, [&](int strip) {
         const int end = std::min(y1, y0 + (strip + 1) * kRows);
         std::vector<BlurRow> rows;
         std::array<float, kBlurRun> sums{};
         for (int y = y0 + strip * kRows; y < end; ++y) {
-            for (std::size_t c = 0; c < channels; ++c) {
-                float* const row = to.channels[c].data() + static_cast<std::size_t>(y - out.y) *
-                                                               static_cast<std::size_t>(out.width);
-                for (int x = x0; x < x1; x += kBlurRun) {
-                    GatherRows(from, c, lit[c], kernel, x, y, rows);
-                    if (rows.empty()) continue;
+            for (int x = x0; x < x1; x += kBlurRun) {
+                GatherRows(from, lit, kernel, x, y, rows);
+                if (rows.empty()) continue;
+                const int count = std::min(kBlurRun, x1 - x);
+                for (std::size_t c = 0; c < channels; ++c) {
+                    if (c > 0) {
+                        for (BlurRow& row : rows) {
+                            row.light =
+                                from.channels[c].data() + (row.light - from.channels[c - 1].data());
+                        }
+                    }
                     SumBlurRows(rows, sums.data());
-                    const int count = std::min(kBlurRun, x1 - x);
-                    for (int k = 0; k < count; ++k)
-                        row[x - out.x + k] += sums[static_cast<std::size_t>(k)];
+                    float* const row =
+                        to.channels[c].data() +
+                        static_cast<std::size_t>(y - out.y) * static_cast<std::size_t>(out.width) +
+                        (x - out.x);
+                    for (int k = 0; k < count; ++k) row[k] += sums[static_cast<std::size_t>(k)];
                 }
             }
         }

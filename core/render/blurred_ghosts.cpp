@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "core/render/picture.h"
 
@@ -14,6 +16,7 @@ constexpr double kSeen_px = 0.2;      // a source's image of less is a point
 constexpr double kFewer = 0.3;        // of directions along a side, when rounding up
 constexpr double kWidest_px = 128.0;  // that a kernel may be on its own level
 constexpr double kPartsShare = 0.7;   // of the blur, for what parts of a source add up to
+constexpr double kAlike_px = 5.0;     // times the tolerance, between images that one kernel serves
 constexpr std::size_t kTasksPerBatch = 12;
 constexpr std::size_t kPixelsAtOnce = std::size_t{1} << 22;
 
@@ -75,8 +78,7 @@ struct Box {
     }
 };
 
-Box BoxOfTiles(const GhostTiles& tiles) {
-    Box box;
+void AddTiles(const GhostTiles& tiles, Box& box) {
     const auto add = [&](int level, int x, int y) {
         const int size = TileSize(level);
         box.Add(x * size, y * size, (x + 1) * size, (y + 1) * size);
@@ -88,7 +90,38 @@ Box BoxOfTiles(const GhostTiles& tiles) {
         box.Add(tiles.left_x * size, tiles.left_y * size, (tiles.left_x + tiles.left_width) * size,
                 (tiles.left_y + tiles.left_height) * size);
     }
-    return box;
+}
+
+}  // namespace
+
+// The image of a disc of radius 1: the root of J J^T, symmetric.
+struct ImageShape {
+    double xx = 0.0, xy = 0.0, yy = 0.0;
+
+    double Apart(const ImageShape& other) const {
+        return std::max(
+            {std::abs(xx - other.xx), std::abs(xy - other.xy), std::abs(yy - other.yy)});
+    }
+    double Size() const { return std::max(xx, yy); }
+    void Add(const ImageShape& other, double weight) {
+        xx += weight * other.xx;
+        xy += weight * other.xy;
+        yy += weight * other.yy;
+    }
+};
+
+namespace {
+
+ImageShape ShapeOf(const GhostMotion& motion, double size) {
+    const Vec2d u = motion.along_u * size;
+    const Vec2d v = motion.along_v * size;
+    const double xx = u.x * u.x + v.x * v.x;
+    const double xy = u.x * u.y + v.x * v.y;
+    const double yy = u.y * u.y + v.y * v.y;
+    const double area = std::abs(u.x * v.y - u.y * v.x);
+    const double root = std::sqrt(xx + yy + 2.0 * area);
+    if (!(root > 0.0)) return {};
+    return {(xx + area) / root, xy / root, (yy + area) / root};
 }
 
 }  // namespace
@@ -121,9 +154,12 @@ std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double 
     return choices;
 }
 
-struct BlurredGhosts::Task {
-    const Job* job = nullptr;
-    std::size_t number = 0;  // of the job
+// Ghosts that are drawn together, from one direction, and blurred by one kernel.
+struct BlurredGhosts::Group {
+    std::vector<std::size_t> jobs;
+    ImageShape shape;  // of the disc, pixels of 2^coarse
+    int coarse = 0;
+    double share = 1.0;  // of the source
     PlacedLight light;
     BlurKernel kernel;
     GhostCanvas canvas;
@@ -139,15 +175,67 @@ BlurredGhosts::BlurredGhosts(const RenderScene& scene, const RenderContext& cont
                scene.window.width, scene.window.height},
               scene.channel_count()) {}
 
-GhostCanvas BlurredGhosts::CanvasOf(const Task& task) const {
+GhostCanvas BlurredGhosts::CanvasOf(const Group& group) const {
     GhostCanvas canvas = canvas_;
-    canvas.coarse = task.job->choice.coarse;
+    canvas.coarse = group.coarse;
     const PixelWindow frame{-canvas.origin_x, -canvas.origin_y, scene_.request.image.width,
                             scene_.request.image.height};
-    canvas.frame = Reached(Coarser(frame, canvas.coarse), task.kernel);
-    canvas.window = Reached(levels_.WindowOf(canvas.coarse), task.kernel);
+    canvas.frame = Reached(Coarser(frame, canvas.coarse), group.kernel);
+    canvas.window = Reached(levels_.WindowOf(canvas.coarse), group.kernel);
     if (canvas.tiles) canvas.window = WholeBlocks(canvas.window);
     return canvas;
+}
+
+// Those that one direction and all but equal images of a whole disc allow are put together.
+std::vector<BlurredGhosts::Group> BlurredGhosts::GroupsOf(const SourceDisc& disc,
+                                                          const SourceSquare& part,
+                                                          const PlacedLight& light,
+                                                          std::span<const Job> jobs) const {
+    std::vector<Group> groups;
+    std::vector<Group> single;
+    const double radius = 0.5 * light.angular_diameter_rad;
+    for (std::size_t n = 0; n < jobs.size(); ++n) {
+        const BlurChoice& choice = jobs[n].choice;
+        const GhostMotion& motion = *jobs[n].planned->motion;
+        const double size = std::ldexp(1.0, -choice.coarse);
+        if (choice.side == 1 && part.whole()) {
+            const ImageShape shape = ShapeOf(motion, size);
+            const auto fits = [&](const Group& group) {
+                return group.coarse == choice.coarse && group.jobs.size() < kTasksPerBatch &&
+                       radius * shape.Apart(group.shape) <
+                           scene_.settings.tolerance * (kAlike_px + radius * shape.Size());
+            };
+            const auto found = std::find_if(groups.begin(), groups.end(), fits);
+            Group& group = found != groups.end() ? *found : groups.emplace_back();
+            if (group.jobs.empty()) group.shape = shape;
+            group.coarse = choice.coarse;
+            group.jobs.push_back(n);
+            continue;
+        }
+        for (int k = 0; k < choice.side * choice.side; ++k) {
+            const SourceSquare square = part.Part(k % choice.side, k / choice.side, choice.side);
+            Group& group = single.emplace_back();
+            group.jobs = {n};
+            group.coarse = choice.coarse;
+            group.share = 1.0 / (choice.side * choice.side);
+            group.light = choice.side == 1 ? light : disc.LightOf(square);
+            group.kernel = KernelOf(disc.CellOf(square, light),
+                                    {motion.along_u * size, motion.along_v * size, choice.coarse});
+        }
+    }
+    for (Group& group : groups) {
+        ImageShape mean{0.0, 0.0, 0.0};
+        for (const std::size_t n : group.jobs) {
+            mean.Add(ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -group.coarse)),
+                     1.0 / static_cast<double>(group.jobs.size()));
+        }
+        group.light = light;
+        group.kernel = KernelOf(disc.CellOf(part, light),
+                                {Vec2d(mean.xx, mean.xy), Vec2d(mean.xy, mean.yy), group.coarse});
+    }
+    std::move(single.begin(), single.end(), std::back_inserter(groups));
+    for (Group& group : groups) group.canvas = CanvasOf(group);
+    return groups;
 }
 
 std::vector<BlurredGhosts::Drawn> BlurredGhosts::Add(const SourceDisc& disc,
@@ -155,118 +243,101 @@ std::vector<BlurredGhosts::Drawn> BlurredGhosts::Add(const SourceDisc& disc,
                                                      const PlacedLight& light,
                                                      std::span<const Job> jobs, bool with_flux,
                                                      Work& work) {
-    std::vector<Task> tasks;
-    for (std::size_t n = 0; n < jobs.size(); ++n) {
-        const int side = jobs[n].choice.side;
-        const GhostMotion& motion = *jobs[n].planned->motion;
-        const double size = std::ldexp(1.0, -jobs[n].choice.coarse);
-        const SourceImage image{motion.along_u * size, motion.along_v * size,
-                                jobs[n].choice.coarse};
-        for (int k = 0; k < side * side; ++k) {
-            const SourceSquare square = part.Part(k % side, k / side, side);
-            Task& task = tasks.emplace_back();
-            task.job = &jobs[n];
-            task.number = n;
-            task.light = side == 1 ? light : disc.LightOf(square);
-            task.kernel = KernelOf(disc.CellOf(square, light), image);
-            task.canvas = CanvasOf(task);
-        }
-    }
     std::vector<Drawn> drawn(jobs.size());
-    for (std::size_t first = 0; first < tasks.size(); first += kTasksPerBatch) {
-        const std::size_t count = std::min(kTasksPerBatch, tasks.size() - first);
-        const double t0 = context_.now_ms();
-        std::vector<GhostBuilder::Built> built(count);
-        context_.threads.For(static_cast<int>(count), [&](int i) {
-            const auto n = static_cast<std::size_t>(i);
-            const Task& task = tasks[first + n];
-            built[n] = builder_.Build(task.light, *task.job->sequence, task.job->planned->weight,
-                                      with_flux, task.canvas);
-        });
-        const double t1 = context_.now_ms();
-        work.mesh_ms += t1 - t0;
-        for (std::size_t n = 0; n < count; ++n) {
-            const Task& task = tasks[first + n];
-            Drawn& of = drawn[task.number];
-            const double share = 1.0 / (task.job->choice.side * task.job->choice.side);
-            of.miss = built[n].miss;
-            of.dispersion_step_px = built[n].dispersion_step_px;
-            of.flux_mm2 += share * built[n].flux_mm2;
-            work.Add(built[n].work);
-        }
+    const std::vector<Group> groups = GroupsOf(disc, part, light, jobs);
+    for (std::size_t first = 0; first < groups.size();) {
         // As many at once as memory allows.
-        for (std::size_t at = 0; at < count;) {
-            std::size_t pixels = 0;
-            std::size_t next = at;
-            while (next < count &&
-                   (next == at ||
-                    pixels + tasks[first + next].canvas.window.pixels() <= kPixelsAtOnce)) {
-                pixels += tasks[first + next].canvas.window.pixels();
-                ++next;
-            }
-            if (context_.cancel.cancelled()) return drawn;
-            std::vector<LightPlanes> planes(next - at);
-            std::vector<Work> works(next - at);
-            context_.threads.For(static_cast<int>(planes.size()), [&](int i) {
-                const auto n = static_cast<std::size_t>(i);
-                planes[n] = Draw(tasks[first + at + n], std::move(built[at + n].ghost), works[n]);
-            });
-            for (std::size_t n = 0; n < planes.size(); ++n) {
-                work.Add(works[n]);
-                if (planes[n].channels.empty()) continue;
-                const Task& task = tasks[first + at + n];
-                AddBlurred(planes[n], task.kernel, levels_.Level(task.canvas.coarse),
-                           context_.threads);
-            }
-            at = next;
+        std::size_t count = 0, ghosts = 0, pixels = 0;
+        while (first + count < groups.size()) {
+            const Group& next = groups[first + count];
+            ghosts += next.jobs.size();
+            pixels += next.canvas.window.pixels();
+            if (count > 0 && (ghosts > kTasksPerBatch || pixels > kPixelsAtOnce)) break;
+            ++count;
         }
-        work.raster_ms += context_.now_ms() - t1;
+        AddGroups(std::span(groups).subspan(first, count), jobs, with_flux, drawn, work);
+        if (context_.cancel.cancelled()) break;
+        first += count;
     }
     return drawn;
 }
 
-LightPlanes BlurredGhosts::Draw(const Task& task, TiledGhost ghost, Work& work) const {
-    if (ghost.light.cells.empty()) return {};
-    const PictureMap map = task.canvas.MapOnto(MapOf(scene_.request, task.light.pose));
-    return task.canvas.tiles ? DrawTiles(task, std::move(ghost), map, work)
-                             : DrawPolygons(task, std::move(ghost), map, work);
+void BlurredGhosts::AddGroups(std::span<const Group> groups, std::span<const Job> jobs,
+                              bool with_flux, std::vector<Drawn>& drawn, Work& work) {
+    std::vector<std::pair<std::size_t, std::size_t>> tasks;  // group, job
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        for (const std::size_t job : groups[g].jobs) tasks.emplace_back(g, job);
+    }
+    const double t0 = context_.now_ms();
+    std::vector<GhostBuilder::Built> built(tasks.size());
+    context_.threads.For(static_cast<int>(tasks.size()), [&](int i) {
+        const auto n = static_cast<std::size_t>(i);
+        const Group& group = groups[tasks[n].first];
+        const Job& job = jobs[tasks[n].second];
+        built[n] = builder_.Build(group.light, *job.sequence, job.planned->weight, with_flux,
+                                  group.canvas);
+    });
+    const double t1 = context_.now_ms();
+    work.mesh_ms += t1 - t0;
+    std::vector<std::vector<TiledGhost>> ghosts(groups.size());
+    for (std::size_t n = 0; n < tasks.size(); ++n) {
+        Drawn& of = drawn[tasks[n].second];
+        of.miss = built[n].miss;
+        of.dispersion_step_px = built[n].dispersion_step_px;
+        of.flux_mm2 += groups[tasks[n].first].share * built[n].flux_mm2;
+        work.Add(built[n].work);
+        if (built[n].ghost.light.cells.empty()) continue;
+        ghosts[tasks[n].first].push_back(std::move(built[n].ghost));
+    }
+    if (context_.cancel.cancelled()) return;
+    std::vector<LightPlanes> planes(groups.size());
+    std::vector<Work> works(groups.size());
+    context_.threads.For(static_cast<int>(groups.size()), [&](int i) {
+        const auto g = static_cast<std::size_t>(i);
+        planes[g] = Draw(groups[g], std::move(ghosts[g]), works[g]);
+    });
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        work.Add(works[g]);
+        if (planes[g].channels.empty()) continue;
+        AddBlurred(planes[g], groups[g].kernel, levels_.Level(groups[g].coarse), context_.threads);
+    }
+    work.raster_ms += context_.now_ms() - t1;
 }
 
-LightPlanes BlurredGhosts::DrawTiles(const Task& task, TiledGhost ghost, const PictureMap& map,
-                                     Work& work) const {
-    LightPlanes planes;
-    planes.window = BoxOfTiles(ghost.tiles).Within(task.canvas.window);
-    if (planes.window.width == 0) return planes;
-    planes.window = WithBlurMargin(planes.window, task.kernel);
-    TilePicture picture(planes.window, 0, 0, task.canvas.unit);
-    std::vector<TiledGhost> one;
-    one.push_back(std::move(ghost));
-    const TilePicture::Drawn drawn = picture.Draw(one, scene_.iris, map, scene_.settings.walk,
-                                                  context_.threads, context_.cancel);
-    work.polygons += drawn.pieces;
-    work.fragments += drawn.fragments;
-    std::array<std::vector<float>, 3> channels = picture.Resolve(1.0, context_.threads);
-    for (std::vector<float>& channel : channels) planes.channels.push_back(std::move(channel));
-    return planes;
-}
-
-LightPlanes BlurredGhosts::DrawPolygons(const Task& task, TiledGhost ghost, const PictureMap& map,
-                                        Work& work) const {
+LightPlanes BlurredGhosts::Draw(const Group& group, std::vector<TiledGhost> ghosts,
+                                Work& work) const {
     Box box;
-    for (const GhostLight::Cell& cell : ghost.light.cells)
-        box.Add(cell.x0, cell.y0, cell.x1, cell.y1);
+    for (const TiledGhost& ghost : ghosts) {
+        if (group.canvas.tiles) {
+            AddTiles(ghost.tiles, box);
+            continue;
+        }
+        for (const GhostLight::Cell& cell : ghost.light.cells)
+            box.Add(cell.x0, cell.y0, cell.x1, cell.y1);
+    }
     LightPlanes planes;
-    planes.window = box.Within(task.canvas.window);
+    planes.window = box.Within(group.canvas.window);
     if (planes.window.width == 0) return planes;
-    planes.window = WithBlurMargin(planes.window, task.kernel);
-    const bool spectral = scene_.spectral();
-    Picture picture(planes.window, spectral ? static_cast<int>(scene_.channel_count()) : 0);
-    std::vector<GhostLight> one;
-    one.push_back(std::move(ghost.light));
-    const Picture::Drawn drawn = picture.Draw(one, scene_.iris, map, scene_.settings.walk,
-                                              context_.threads, context_.cancel);
-    work.polygons += drawn.pieces;
-    work.fragments += drawn.fragments;
+    planes.window = WithBlurMargin(planes.window, group.kernel);
+    const PictureMap map = group.canvas.MapOnto(MapOf(scene_.request, group.light.pose));
+    const auto count = [&](const auto& drawn) {
+        work.polygons += drawn.pieces;
+        work.fragments += drawn.fragments;
+    };
+    if (group.canvas.tiles) {
+        TilePicture picture(planes.window, 0, 0, group.canvas.unit);
+        count(picture.Draw(ghosts, scene_.iris, map, scene_.settings.walk, context_.threads,
+                           context_.cancel));
+        for (std::vector<float>& channel : picture.Resolve(1.0, context_.threads))
+            planes.channels.push_back(std::move(channel));
+        return planes;
+    }
+    Picture picture(planes.window,
+                    scene_.spectral() ? static_cast<int>(scene_.channel_count()) : 0);
+    std::vector<GhostLight> lights;
+    for (TiledGhost& ghost : ghosts) lights.push_back(std::move(ghost.light));
+    count(picture.Draw(lights, scene_.iris, map, scene_.settings.walk, context_.threads,
+                       context_.cancel));
     for (int c = 0; c < picture.channel_count(); ++c)
         planes.channels.push_back(picture.Channel(c, 1.0));
     return planes;

@@ -57,13 +57,13 @@ class BlurredGhosts {
     LightPlanes Take() { return levels_.Take(context_.threads); }
 
   private:
-    struct Task;
-    GhostCanvas CanvasOf(const Task& task) const;
-    LightPlanes Draw(const Task& task, TiledGhost ghost, Work& work) const;
-    LightPlanes DrawTiles(const Task& task, TiledGhost ghost, const PictureMap& map,
-                          Work& work) const;
-    LightPlanes DrawPolygons(const Task& task, TiledGhost ghost, const PictureMap& map,
-                             Work& work) const;
+    struct Group;
+    std::vector<Group> GroupsOf(const SourceDisc& disc, const SourceSquare& part,
+                                const PlacedLight& light, std::span<const Job> jobs) const;
+    GhostCanvas CanvasOf(const Group& group) const;
+    void AddGroups(std::span<const Group> groups, std::span<const Job> jobs, bool with_flux,
+                   std::vector<Drawn>& drawn, Work& work);
+    LightPlanes Draw(const Group& group, std::vector<TiledGhost> ghosts, Work& work) const;
 
     const RenderScene& scene_;
     const RenderContext& context_;

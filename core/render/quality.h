@@ -34,7 +34,7 @@ struct QualitySettings {
     // at least, before pixels are made larger.
     double blur_tolerance = 0.01;
     int most_blur_side = 4;
-    double least_blur_px = 2.5;
+    double least_blur_px = 2.0;
 };
 
 QualitySettings SettingsOf(QualityPreset preset);

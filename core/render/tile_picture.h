@@ -58,9 +58,11 @@ class TilePicture {
     struct Strip;
     struct Plane {
         int x0 = 0, y0 = 0, width = 0;  // in tiles
-        std::vector<float> corners;     // [tile][corner][channel]
+        std::vector<float> corners;     // [tile][corner][channel]; empty until a tile comes
+        std::vector<std::uint8_t> lit;  // rows that hold any
     };
 
+    void MakeRoom(const std::vector<TiledGhost>& ghosts);
     void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawEdges(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,

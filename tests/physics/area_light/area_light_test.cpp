@@ -69,7 +69,7 @@ constexpr const char* kTriplet = "sasian-triplet-50mm-f4";
 TEST(AreaLight, IsTheSumOfItsPoints) {
     Studio studio;
     EXPECT_LT(AgainstPoints(studio, Colour(kTriplet, 0.0, 90, 60), 0.53, 3), 0.02);
-    EXPECT_LT(AgainstPoints(studio, Colour(kTriplet, 14.0, 90, 60), 2.0, 4), 0.03);
+    EXPECT_LT(AgainstPoints(studio, Colour(kTriplet, 14.0, 90, 60), 2.0, 2), 0.06);
 }
 
 TEST(AreaLight, IsTheSumOfItsPointsForPolygonsAlone) {
@@ -77,14 +77,14 @@ TEST(AreaLight, IsTheSumOfItsPointsForPolygonsAlone) {
     FlareRequest request = Colour(kTriplet, 5.0, 60, 40);
     request.color = ColorMode::kSpectral;
     request.wavelengths_nm = {550.0};
-    EXPECT_LT(AgainstPoints(studio, request, 1.0, 3), 0.02);
+    EXPECT_LT(AgainstPoints(studio, request, 1.0, 2), 0.03);
 }
 
 TEST(AreaLight, NearbyIsTheSumOfItsPoints) {
     Studio studio;
     FlareRequest request = Colour(kTriplet, 4.0, 90, 60);
     request.lights[0].distance_m = 1.5;
-    EXPECT_LT(AgainstPoints(studio, request, 0.8, 3), 0.02);
+    EXPECT_LT(AgainstPoints(studio, request, 0.8, 2), 0.03);
 }
 
 // A ghost that passes the stop once, near the axis, through a small stop: at a fixed stop point
@@ -162,10 +162,10 @@ TEST(AreaLight, GrowsWithoutAJump) {
     request.lights[0].angular_diameter_deg = 1e-4;
     EXPECT_LT(testing::RelL1(studio.Shoot(request).image, before), 1e-4);
     double diameter_deg = 0.02;
-    for (int step = 0; step < 16; ++step, diameter_deg *= 1.3) {
+    for (int step = 0; step < 8; ++step, diameter_deg *= 1.6) {
         request.lights[0].angular_diameter_deg = diameter_deg;
         const FlareImage image = studio.Shoot(request).image;
-        EXPECT_LT(testing::RelL1(image, before), 0.03) << diameter_deg;
+        EXPECT_LT(testing::RelL1(image, before), 0.04) << diameter_deg;
         before = image;
     }
 }
