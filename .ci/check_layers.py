@@ -31,7 +31,7 @@ LIBRARIES = [
     ("libusb", r"(libusb|ftdi)\.h", r"server/encoder/usb_"),
     ("Boost", r"boost/", r"server/http/|protocol/client/"),
     ("OpenEXR", r"(OpenEXR/|Imf|Iex|IlmThread)", r"core/image/exr_(header|decode)\.cpp"),
-    ("Highway", r"hwy/", r"core/tracing/trace_columns|core/mesh/passage_columns|core/image/tile_kernels"),
+    ("Highway", r"hwy/", r"core/tracing/trace_columns|core/mesh/passage_columns|core/image/(tile_kernels|blur_rows)"),
     ("kissfft", r"kissfft/", r"core/wave/fourier\.cpp"),
     ("libpng", r"png\.h", r"core/image/(preview|mask_image)\.cpp"),
     ("xxHash", r"xxh", r"core/base/fingerprint\.cpp"),

@@ -23,6 +23,9 @@ constexpr std::uint64_t kStarburstBytes = std::uint64_t{192} << 20;
 constexpr std::uint64_t kBytesPerBokehSample = 11 + 4 + 12;
 // Of a split layer: a float and its share of the encoder, which is one line's as a rule.
 constexpr std::uint64_t kBytesPerSplitSample = 4 + 4;
+// Ghosts of lights that are discs: floats of their own picture and of a ghost's, with its tiles and
+// its copy while it is blurred, all with a margin.
+constexpr std::uint64_t kBytesPerDiscSample = 48;
 // The ghosts of one batch with their colour tables, whatever the picture's size.
 constexpr std::uint64_t kBytesPerRequest = std::uint64_t{16} << 20;
 
@@ -54,6 +57,10 @@ std::uint64_t PictureBytes(const wire::FlareRequest& request) {
         static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const std::uint64_t samples = pixels * channels;
     std::uint64_t bytes = kBytesPerRequest + samples * kBytesPerSample;
+    const bool discs =
+        std::any_of(request.lights.begin(), request.lights.end(),
+                    [](const auto& light) { return light.angular_diameter_deg > 0.0; });
+    if (discs && request.layers.ghosts) bytes += samples * kBytesPerDiscSample;
     if (request.layers.starburst) bytes += kStarburstBytes + samples * kBytesPerStarburstSample;
     if (request.layers.bokeh) bytes += samples * kBytesPerBokehSample;
     // The sums are gathered in doubles; and what is drawn alone needs a picture of its own.

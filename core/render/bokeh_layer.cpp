@@ -31,7 +31,7 @@ BokehLayer::BokehLayer(const RenderScene& scene, const RenderContext& context, R
     : scene_(ForDirectImages(scene)),
       context_(context),
       report_(report),
-      builder_(scene_, nullptr, context),
+      builder_(scene_, context),
       flux_tables_(scene.lens, {scene.spectral() ? scene.request.wavelengths_nm.front() : kLineD},
                    context.threads),
       picture_(scene.window, scene.spectral() ? static_cast<int>(scene.channel_count()) : 0) {
@@ -42,7 +42,8 @@ void BokehLayer::Add(const PlacedLight& light) {
     const Vec3d& e = light.irradiance;
     if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return;
     const double t0 = context_.now_ms();
-    GhostBuilder::Built built = builder_.Build(light, {}, 1.0, false);
+    GhostBuilder::Built built =
+        builder_.Build(light, {}, 1.0, false, GhostCanvas::Of(scene_, nullptr));
     report_.work.Add(built.work);
     const double t1 = context_.now_ms();
     report_.work.mesh_ms += t1 - t0;

@@ -25,6 +25,12 @@ std::optional<Error> CheckSplit(const FlareRequest& request) {
     if (request.split == SplitBy::kGhost && !request.layers.ghosts) {
         return Bad("/split", "there is no layer of ghosts to split");
     }
+    const auto disc = std::find_if(request.lights.begin(), request.lights.end(),
+                                   [](const auto& l) { return l.angular_diameter_deg > 0.0; });
+    if (request.split == SplitBy::kGhost && disc != request.lights.end()) {
+        return Bad("/split", "ghosts of lights that are no points cannot be told apart",
+                   "unsupported");
+    }
     if (request.split == SplitBy::kLight && request.lights.size() > kMaxSplitLayers) {
         return Bad("/split", "at most " + std::to_string(kMaxSplitLayers) + " lights can be split",
                    "limit");

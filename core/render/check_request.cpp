@@ -128,9 +128,8 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
-        if (diameter > 0.0 && (request.layers.ghosts || request.layers.bokeh) && !request.photon) {
-            return Bad(place, "ghosts and bokeh of lights that are no points are not built",
-                       "unsupported");
+        if (diameter > 0.0 && request.layers.bokeh) {
+            return Bad(place, "the bokeh of lights that are no points is not built", "unsupported");
         }
     }
     return std::nullopt;

@@ -96,6 +96,10 @@ void ErrorEstimate::AddDrawn(const GhostSample& sample, double weight, double di
     dispersion_light_ += light * std::min(1.0, kDispersion * step * edge);
 }
 
+void ErrorEstimate::AddSource(const GhostSample& sample, double weight, double error) {
+    source_light_ += weight * sample.frame_light * error;
+}
+
 void ErrorEstimate::AddLight(double frame_light, double lost_light) {
     frame_light_ += frame_light;
     lost_light_ += lost_light;
@@ -109,10 +113,12 @@ EstimatedError ErrorEstimate::Value() const {
         error.dispersion = dispersion_light_ / drawn_light_;
         error.colour = kColour * colour_;
         error.mesh = mesh_light_ / drawn_light_;
+        error.source = source_light_ / drawn_light_;
         error.pieces =
             kPosition * settings_.walk.position_px * edge + kDensity * settings_.walk.density_step;
     }
-    error.rel_l1 = error.culling + error.dispersion + error.colour + error.mesh + error.pieces;
+    error.rel_l1 =
+        error.culling + error.dispersion + error.colour + error.mesh + error.pieces + error.source;
     return error;
 }
 

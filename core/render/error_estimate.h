@@ -34,6 +34,8 @@ class ErrorEstimate {
     // `dispersion_step_px` apart.
     void AddDrawn(const GhostSample& sample, double weight, double dispersion_step_px,
                   const MeshMiss& miss);
+    // The same ghost, of a light that is no point: what its blur is wrong by, relative.
+    void AddSource(const GhostSample& sample, double weight, double error);
     // All ghosts of one light, and what is lost of them by culling.
     void AddLight(double frame_light, double lost_light);
 
@@ -45,6 +47,7 @@ class ErrorEstimate {
     double drawn_light_ = 0.0;
     double edge_light_ = 0.0;        // drawn light a pixel from an edge
     double dispersion_light_ = 0.0;  // drawn light at edges that are coloured wrongly
+    double source_light_ = 0.0;      // drawn light that is blurred wrongly
     double mesh_light_ = 0.0;        // drawn light that is misplaced by interpolation
     double frame_light_ = 0.0, lost_light_ = 0.0;
 };

@@ -129,7 +129,7 @@ struct LightSpec {
     // temperature, or of this spectrum; each scaled to luminance 1. Not both.
     std::optional<double> temperature_k;
     std::shared_ptr<const Spectrum> spectrum;
-    double angular_diameter_deg = 0.0;  // of its disc; ghosts are those of a point
+    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
 };
 
 struct FlareRequest {

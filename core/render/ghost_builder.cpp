@@ -2,6 +2,7 @@
 #include "core/render/ghost_builder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/units.h"
 #include "core/image/cell_fits.h"
@@ -29,10 +30,30 @@ std::vector<double> BoundingWavelengths(const RenderScene& scene) {
 
 }  // namespace
 
-GhostBuilder::GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
-                           const RenderContext& context)
+GhostCanvas GhostCanvas::Of(const RenderScene& scene, const TilePicture* tile_picture) {
+    GhostCanvas canvas;
+    canvas.window = scene.window;
+    canvas.frame = {0, 0, scene.request.image.width, scene.request.image.height};
+    if (!tile_picture) return canvas;
+    canvas.origin_x = tile_picture->middle_x();
+    canvas.origin_y = tile_picture->middle_y();
+    canvas.window = tile_picture->padded();
+    canvas.frame = tile_picture->FromMiddle(canvas.frame);
+    canvas.tiles = true;
+    canvas.unit = tile_picture->unit();
+    return canvas;
+}
+
+PictureMap GhostCanvas::MapOnto(PictureMap map) const {
+    const double size = std::ldexp(1.0, -coarse);
+    map.offset_px = (map.offset_px - Vec2d(origin_x, origin_y)) * size;
+    map.px_per_x *= size;
+    map.px_per_y *= size;
+    return map;
+}
+
+GhostBuilder::GhostBuilder(const RenderScene& scene, const RenderContext& context)
     : scene_(scene),
-      tile_picture_(tile_picture),
       context_(context),
       tables_(scene.lens,
               scene.spectral()
@@ -62,8 +83,8 @@ LightColour GhostBuilder::ColourOf(const PlacedLight& light, const BounceSequenc
     return colour;
 }
 
-GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
-                                           const BounceSequence& sequence) const {
+GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const BounceSequence& sequence,
+                                           const GhostCanvas& canvas) const {
     Located located;
     if (context_.cancel.cancelled()) return located;
     const Lens& lens = scene_.lens;
@@ -78,10 +99,16 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
         work.rays_traced = found->mesh->rays_traced;
         work.ray_surfaces = found->mesh->ray_surfaces;
     }
-    const PictureMap map = MapFor(light);
+    const PictureMap map = canvas.MapOnto(MapOf(scene_.request, light.pose));
     FringePlan& plan = located.plan;
     if (scene_.request.model.ringing && !sequence.empty()) {
         plan = PlanFringes(lens, *found->mesh, light, scene_.iris, map, scene_.spectral());
+        // What is blurred by the source afterwards must not be blurred by it before.
+        if (plan.fringes && canvas.blurred) {
+            for (GhostFringes::Crossing& crossing : plan.fringes->crossings) {
+                crossing.source_t = 0.0;
+            }
+        }
     }
     const Iris& iris = plan.fringes ? plan.fringes->iris : scene_.iris;
     auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
@@ -89,10 +116,11 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
     if (surface->cells().empty()) return located;
 
     located.cells = CellsInWindow(*surface, bounded_nm_, iris, map,
-                                  tile_picture_ ? WalkWindow{} : WalkWindowOf(scene_.window));
+                                  canvas.tiles ? WalkWindow{} : WalkWindowOf(canvas.window));
     work.cells = located.cells.size();
     if (!located.cells.empty()) {
-        const std::vector<GhostLight::Cell> in_frame = InFrame(*surface, iris, map, located.cells);
+        const std::vector<GhostLight::Cell> in_frame =
+            InFrame(*surface, iris, map, canvas, located.cells);
         located.miss = MeshMissOf(*surface, in_frame, map);
         if (!scene_.spectral()) located.dispersion_px = DispersionPx(*surface, in_frame, map);
     }
@@ -100,14 +128,10 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light,
     return located;
 }
 
-PictureMap GhostBuilder::MapFor(const PlacedLight& light) const {
-    const PictureMap map = MapOf(scene_.request, light.pose);
-    return tile_picture_ ? tile_picture_->MapFromMiddle(map) : map;
-}
-
 GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
-                                        double weight, bool with_flux) const {
-    Located located = Locate(light, sequence);
+                                        double weight, bool with_flux,
+                                        const GhostCanvas& canvas) const {
+    Located located = Locate(light, sequence, canvas);
     Built built;
     built.work = located.work;
     built.miss = located.miss;
@@ -123,11 +147,11 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         built.flux_mm2 =
             EstimateOf(surface, bundle, lens, flux_tables_, scene_.iris, light.pose).flux_mm2;
     }
-    const PictureMap map = MapFor(light);
+    const PictureMap map = canvas.MapOnto(MapOf(scene_.request, light.pose));
     MaskFields masks;
-    if (tile_picture_) {
+    if (canvas.tiles) {
         masks = MasksOf(surface, cells, iris);
-        AddRing(surface, map, tile_picture_->padded(), cells);
+        AddRing(surface, map, canvas.window, cells);
         const bool any =
             std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.ring; });
         if (!any) return built;
@@ -145,25 +169,24 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         built.dispersion_step_px =
             colour.dispersion_px / static_cast<double>(ghost.bands.size() - 1);
     }
-    if (tile_picture_) {
+    if (canvas.tiles) {
         ghost.masks = std::move(masks);
-        built.ghost.tiles = TilesOf(ghost, scene_.iris, map, tile_picture_->padded(),
-                                    *scene_.settings.tiles, tile_picture_->unit());
+        built.ghost.tiles =
+            TilesOf(ghost, scene_.iris, map, canvas.window, *scene_.settings.tiles, canvas.unit);
     }
     return built;
 }
 
 // The cells of the whole frame, whatever window `cells` are those of.
 std::vector<GhostLight::Cell> GhostBuilder::InFrame(
-    const GhostSurface& surface, const Iris& iris, const PictureMap& map,
+    const GhostSurface& surface, const Iris& iris, const PictureMap& map, const GhostCanvas& canvas,
     const std::vector<GhostLight::Cell>& cells) const {
-    const PixelWindow frame{0, 0, scene_.request.image.width, scene_.request.image.height};
-    if (!tile_picture_) {
-        return scene_.window == frame
+    const WalkWindow around = WalkWindowOf(canvas.frame);
+    if (!canvas.tiles) {
+        return canvas.window == canvas.frame
                    ? cells
-                   : CellsInWindow(surface, bounded_nm_, iris, map, WalkWindowOf(frame));
+                   : CellsInWindow(surface, bounded_nm_, iris, map, around);
     }
-    const WalkWindow around = WalkWindowOf(tile_picture_->FromMiddle(frame));
     std::vector<GhostLight::Cell> touching;
     for (const GhostLight::Cell& cell : cells) {
         if (Touches(cell, around)) touching.push_back(cell);

@@ -16,12 +16,26 @@
 
 namespace flare {
 
+// What ghosts are drawn on: pixels of 2^coarse of the picture's, counted from `origin`.
+struct GhostCanvas {
+    // The canvas a picture is drawn on.
+    static GhostCanvas Of(const RenderScene& scene, const TilePicture* tile_picture);
+    // From full-frame pixels.
+    PictureMap MapOnto(PictureMap map) const;
+
+    int origin_x = 0, origin_y = 0;  // full-frame pixels
+    int coarse = 0;
+    bool blurred = false;  // what is drawn here is blurred by the source afterwards
+    PixelWindow window;    // that is wanted; for tiles in whole blocks
+    PixelWindow frame;     // the whole frame, and what is blurred into it
+    bool tiles = false;
+    double unit = 1.0;  // that tiles hold light in
+};
+
 class GhostBuilder {
   public:
-    // `tile_picture` is null where the picture is drawn by polygons alone. The arguments must
-    // outlive the builder.
-    GhostBuilder(const RenderScene& scene, const TilePicture* tile_picture,
-                 const RenderContext& context);
+    // The arguments must outlive the builder.
+    GhostBuilder(const RenderScene& scene, const RenderContext& context);
 
     // Where a ghost lands, before it gets any light.
     struct Located {
@@ -33,7 +47,8 @@ class GhostBuilder {
         Work work;
     };
     // Null when cancelled. Threads may call it at once.
-    Located Locate(const PlacedLight& light, const BounceSequence& sequence) const;
+    Located Locate(const PlacedLight& light, const BounceSequence& sequence,
+                   const GhostCanvas& canvas) const;
 
     struct Built {
         TiledGhost ghost;  // empty if none of it reaches the picture
@@ -45,19 +60,16 @@ class GhostBuilder {
     };
     // The ghost drawn with `weight`. Empty when cancelled. Threads may call it at once.
     Built Build(const PlacedLight& light, const BounceSequence& sequence, double weight,
-                bool with_flux) const;
+                bool with_flux, const GhostCanvas& canvas) const;
 
   private:
-    // To the picture, or to the tiles'.
-    PictureMap MapFor(const PlacedLight& light) const;
     LightColour ColourOf(const PlacedLight& light, const BounceSequence& sequence,
                          double weight) const;
     std::vector<GhostLight::Cell> InFrame(const GhostSurface& surface, const Iris& iris,
-                                          const PictureMap& map,
+                                          const PictureMap& map, const GhostCanvas& canvas,
                                           const std::vector<GhostLight::Cell>& cells) const;
 
     const RenderScene& scene_;
-    const TilePicture* tile_picture_;
     const RenderContext& context_;
     TransmissionTables tables_;
     TransmissionTables flux_tables_;

@@ -2,8 +2,10 @@
 #include "core/render/ghost_layer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "core/base/units.h"
 #include "core/render/fringe_plan.h"
 #include "core/render/ghost_choice.h"
 
@@ -11,6 +13,8 @@ namespace flare {
 namespace {
 
 constexpr int kGhostsPerBatch = 12;
+// A wider light is taken apart before its ghosts are chosen.
+constexpr double kWidest_rad = RadiansFromDegrees(2.5);
 
 }  // namespace
 
@@ -20,9 +24,10 @@ GhostLayer::GhostLayer(const RenderScene& scene, const RenderContext& context, R
       report_(report),
       picture_(scene, context),
       sequences_(TwoReflectionSequences(scene.lens, scene.request.model.sensor_reflection)),
-      builder_(scene, picture_.tiles(), context),
+      builder_(scene, context),
       planner_(scene.request, scene.iris, scene.units_factor, context.threads),
       error_(scene.lens, scene.settings, scene.spectral()) {
+    canvas_ = GhostCanvas::Of(scene, picture_.tiles());
     if (scene.request.split == SplitBy::kGhost) split_.emplace(scene, context);
     for (const BounceSequence& sequence : sequences_) AddFact(sequence);
 }
@@ -38,6 +43,23 @@ void GhostLayer::AddFact(const BounceSequence& sequence) {
 std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
     const Vec3d& e = light.irradiance;
     if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return std::nullopt;
+    if (light.angular_diameter_rad == 0.0) {
+        if (std::optional<Error> error = AddLight(light, nullptr, {}, reported)) return error;
+    } else {
+        const SourceDisc disc(scene_.lens, light);
+        const int side = static_cast<int>(std::ceil(light.angular_diameter_rad / kWidest_rad));
+        for (int k = 0; k < side * side; ++k) {
+            const SourceSquare part = SourceSquare().Part(k % side, k / side, side);
+            if (std::optional<Error> error = AddLight(disc.LightOf(part), &disc, part, reported)) {
+                return error;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const SourceDisc* disc,
+                                          const SourceSquare& part, bool reported) {
     std::vector<std::size_t> ghosts_of_light(sequences_.size());
     std::iota(ghosts_of_light.begin(), ghosts_of_light.end(), std::size_t{0});
     if (scene_.request.model.reflections == 4) {
@@ -48,6 +70,7 @@ std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
     std::erase_if(ghosts_of_light,
                   [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
+    if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
     for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
         if (context_.cancel.cancelled()) break;
         const std::size_t count = std::min<std::size_t>(kGhostsPerBatch, planned.size() - first);
@@ -66,7 +89,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
         built[n] = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
-                                  reported);
+                                  reported, canvas_);
     });
     std::vector<TiledGhost> ghosts;
     for (std::size_t n = 0; n < planned.size(); ++n) {
@@ -75,7 +98,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
         ghost.dispersion_step_px = built[n].dispersion_step_px.value_or(ghost.dispersion_step_px);
         error_.AddDrawn(ghost.sample, ghost.weight, ghost.dispersion_step_px, ghost.miss);
         GhostFacts& facts = report_.facts.ghosts[ghost.index];
-        facts.flux_mm2 += built[n].flux_mm2;
+        facts.flux_mm2 += light.share * built[n].flux_mm2;
         JoinRinging(built[n].ringing, facts.ringing);
         facts.model = facts.ringing.model;
         report_.work.Add(built[n].work);
@@ -95,6 +118,40 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
     return std::nullopt;
 }
 
+void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
+                                  const SourceSquare& part, std::vector<PlannedGhost>& planned,
+                                  bool reported) {
+    const std::vector<BlurChoice> choices =
+        ChooseBlur(planned, 0.5 * light.angular_diameter_rad, scene_.settings);
+    std::vector<BlurredGhosts::Job> jobs;
+    std::vector<PlannedGhost> sharp;
+    for (std::size_t n = 0; n < planned.size(); ++n) {
+        GhostFacts& facts = report_.facts.ghosts[planned[n].index];
+        const int side = choices[n].side;
+        facts.source_directions = std::max(facts.source_directions, side * side);
+        if (side == 0) {
+            sharp.push_back(planned[n]);
+        } else {
+            jobs.push_back({&planned[n], &facts.sequence, choices[n]});
+        }
+    }
+    if (!blurred_) blurred_.emplace(scene_, context_, builder_, canvas_);
+    const std::vector<BlurredGhosts::Drawn> drawn =
+        blurred_->Add(disc, part, light, jobs, reported, report_.work);
+    for (std::size_t n = 0; n < jobs.size(); ++n) {
+        const PlannedGhost& ghost = *jobs[n].planned;
+        GhostFacts& facts = report_.facts.ghosts[ghost.index];
+        facts.flux_mm2 += light.share * drawn[n].flux_mm2;
+        JoinRinging(drawn[n].ringing, facts.ringing);
+        facts.model = facts.ringing.model;
+        const int side = jobs[n].choice.side;
+        error_.AddDrawn(ghost.sample, ghost.weight, drawn[n].dispersion_step_px.value_or(0.0),
+                        drawn[n].miss);
+        error_.AddSource(ghost.sample, ghost.weight, ghost.motion->error / (side * side));
+    }
+    planned = std::move(sharp);
+}
+
 // Leaves out the ghosts that need not be drawn, and says so.
 std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
                                                  const std::vector<std::size_t>& indices,
@@ -104,14 +161,16 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
     for (const std::size_t i : indices) {
         sequences.push_back(report_.facts.ghosts[i].sequence);
     }
-    GhostPlan plan =
-        planner_.Plan(sequences, planner_.Sample(light, sequences, context_), scene_.settings);
+    const std::vector<GhostSample> samples = planner_.Sample(light, sequences, context_);
+    GhostPlan plan = planner_.Plan(
+        light, sequences, samples,
+        planner_.Motions(light, sequences, samples, scene_.settings, context_), scene_.settings);
     Facts& facts = report_.facts;
     facts.culling.culled += plan.facts.culled;
     facts.culling.faded += plan.facts.faded;
-    facts.culling.frame_flux_mm2 += plan.facts.frame_flux_mm2;
-    facts.culling.lost_flux_mm2 += plan.facts.lost_flux_mm2;
-    facts.culled_flux_mm2 += plan.facts.lost_flux_mm2;
+    facts.culling.frame_flux_mm2 += light.share * plan.facts.frame_flux_mm2;
+    facts.culling.lost_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
+    facts.culled_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
     error_.AddLight(plan.frame_light, plan.lost_light);
     drawn_.resize(facts.ghosts.size());
     for (PlannedGhost& ghost : plan.drawn) {
@@ -119,7 +178,8 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
         drawn_[ghost.index] = true;
     }
     for (const PlannedGhost& ghost : plan.left_out) {
-        if (reported) facts.ghosts[indices[ghost.index]].flux_mm2 += ghost.sample.flux_mm2;
+        if (reported)
+            facts.ghosts[indices[ghost.index]].flux_mm2 += light.share * ghost.sample.flux_mm2;
     }
     report_.work.sampled_rays += plan.rays;
     report_.work.cull_ms += context_.now_ms() - before;
@@ -135,11 +195,13 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
     if (!choice) return choice.error();
     Facts& facts = report_.facts;
     FourReflectionFacts four = choice->facts;
+    four.rendered_flux_mm2 *= light.share;
+    four.lost_flux_mm2 *= light.share;
+    facts.culled_flux_mm2 += four.lost_flux_mm2;
     if (facts.four_reflections) {
         four.rendered_flux_mm2 += facts.four_reflections->rendered_flux_mm2;
         four.lost_flux_mm2 += facts.four_reflections->lost_flux_mm2;
     }
-    facts.culled_flux_mm2 += choice->facts.lost_flux_mm2;
     report_.work.rays_traced += choice->rays_traced;
     for (const BounceSequence& sequence : choice->sequences) {
         const auto [known, added] = fours_.emplace(sequence, facts.ghosts.size());
@@ -161,6 +223,21 @@ void GhostLayer::Finish() {
 
 void GhostLayer::AppendSplit(FlareImage& image, double scale) {
     if (split_) split_->AppendTo(image, scale);
+}
+
+LayerPlanes GhostLayer::Resolve(double scale) {
+    LayerPlanes planes = picture_.Resolve(scale);
+    if (!blurred_) return planes;
+    const LightPlanes blurred = blurred_->Take();
+    context_.threads.For(static_cast<int>(planes.size()), [&](int c) {
+        std::vector<float>& plane = planes[static_cast<std::size_t>(c)];
+        const std::vector<float>& more = blurred.channels[static_cast<std::size_t>(c)];
+        for (std::size_t k = 0; k < plane.size(); ++k) {
+            plane[k] =
+                PlaneValue(static_cast<double>(plane[k]) + scale * static_cast<double>(more[k]));
+        }
+    });
+    return planes;
 }
 
 }  // namespace flare

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/render/blurred_ghosts.h"
 #include "core/render/ghost_builder.h"
 #include "core/render/ghost_list.h"
 #include "core/render/ghost_plan.h"
@@ -27,11 +28,14 @@ class GhostLayer {
     void Finish();
 
     // Light in a pixel times `scale`.
-    LayerPlanes Resolve(double scale) const { return picture_.Resolve(scale); }
+    LayerPlanes Resolve(double scale);
     // The layers of single ghosts, where the request splits the ghosts; once.
     void AppendSplit(FlareImage& image, double scale);
     // Back to a picture without light; what the report holds stays.
-    void Clear() { picture_.Clear(); }
+    void Clear() {
+        picture_.Clear();
+        blurred_.reset();
+    }
 
   private:
     void AddFact(const BounceSequence& sequence);
@@ -39,8 +43,15 @@ class GhostLayer {
                                          const std::vector<std::size_t>& indices, bool reported);
     std::optional<Error> AddFourReflections(const PlacedLight& light,
                                             std::vector<std::size_t>& ghosts_of_light);
+    // One direction; of a light that is no point, a part of it.
+    std::optional<Error> AddLight(const PlacedLight& light, const SourceDisc* disc,
+                                  const SourceSquare& part, bool reported);
     std::optional<Error> AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
                                   bool reported);
+    // Draws those that blur is to be seen in, and leaves the others.
+    void AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
+                          const SourceSquare& part, std::vector<PlannedGhost>& planned,
+                          bool reported);
 
     const RenderScene& scene_;
     const RenderContext& context_;
@@ -49,7 +60,9 @@ class GhostLayer {
     std::optional<GhostSplit> split_;
     std::vector<BounceSequence> sequences_;        // of two reflections
     std::map<BounceSequence, std::size_t> fours_;  // of four: place in the report
+    GhostCanvas canvas_;
     GhostBuilder builder_;
+    std::optional<BlurredGhosts> blurred_;  // once a light is no point
     GhostPlanner planner_;
     ErrorEstimate error_;
     std::vector<bool> drawn_;  // each ghost of the report, for some light

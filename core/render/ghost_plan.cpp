@@ -54,10 +54,7 @@ GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double
       scene_factor_(scene_factor),
       tables_(*request.lens, SampledWavelengths(request), threads) {}
 
-std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
-                                              const std::vector<BounceSequence>& sequences,
-                                              const RenderContext& context) const {
-    const LightBundle bundle = BundleOf(*request_.lens, light);
+SampleScene GhostPlanner::SceneOf(const PlacedLight& light, const LightBundle& bundle) const {
     SampleScene scene{
         *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
     if (request_.color == ColorMode::kSpectral) {
@@ -67,6 +64,14 @@ std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
     }
     scene.width = request_.image.width;
     scene.height = request_.image.height;
+    return scene;
+}
+
+std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
+                                              const std::vector<BounceSequence>& sequences,
+                                              const RenderContext& context) const {
+    const LightBundle bundle = BundleOf(*request_.lens, light);
+    const SampleScene scene = SceneOf(light, bundle);
     std::vector<GhostSample> samples(sequences.size());
     context.threads.For(static_cast<int>(sequences.size()), [&](int i) {
         if (context.cancel.cancelled()) return;
@@ -76,24 +81,65 @@ std::vector<GhostSample> GhostPlanner::Sample(const PlacedLight& light,
     return samples;
 }
 
-GhostPlan GhostPlanner::Plan(const std::vector<BounceSequence>& sequences,
-                             const std::vector<GhostSample>& samples,
-                             const QualitySettings& settings) const {
+std::vector<std::optional<GhostMotion>> GhostPlanner::Motions(
+    const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+    const std::vector<GhostSample>& samples, const QualitySettings& settings,
+    const RenderContext& context) const {
+    std::vector<std::optional<GhostMotion>> motions(samples.size());
+    if (light.angular_diameter_rad == 0.0) return motions;
     const std::vector<double> weights = Weights(sequences, samples, settings);
+    const LightBundle bundle = BundleOf(*request_.lens, light);
+    const SampleScene scene = SceneOf(light, bundle);
+    context.threads.For(static_cast<int>(samples.size()), [&](int i) {
+        const auto n = static_cast<std::size_t>(i);
+        // One beyond the frame may be brought into it.
+        const bool culled = weights[n] == 0.0 && samples[n].frame_light > 0.0;
+        if (context.cancel.cancelled() || culled || samples[n].flux_mm2 <= 0.0) return;
+        motions[n] =
+            MotionOf(scene, sequences[n], samples[n].region, 0.5 * light.angular_diameter_rad);
+    });
+    return motions;
+}
+
+GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+                             const std::vector<GhostSample>& samples,
+                             const std::vector<std::optional<GhostMotion>>& motions,
+                             const QualitySettings& settings) const {
+    std::vector<double> weights = Weights(sequences, samples, settings);
+    BringIn(0.5 * light.angular_diameter_rad, samples, motions, weights);
     GhostPlan plan;
     for (std::size_t n = 0; n < samples.size(); ++n) {
         const GhostSample& sample = samples[n];
         const double weight = weights[n];
-        plan.rays += sample.rays;
+        plan.rays += sample.rays + (motions[n] ? motions[n]->rays : 0);
         plan.frame_light += sample.frame_light;
         plan.lost_light += (1.0 - weight) * sample.frame_light;
         plan.facts.frame_flux_mm2 += sample.frame_flux_mm2;
         plan.facts.lost_flux_mm2 += (1.0 - weight) * sample.frame_flux_mm2;
         plan.facts.culled += weight == 0.0 ? 1 : 0;
         plan.facts.faded += weight > 0.0 && weight < 1.0 ? 1 : 0;
-        (weight > 0.0 ? plan.drawn : plan.left_out).push_back({n, weight, sample, 0.0, {}});
+        (weight > 0.0 ? plan.drawn : plan.left_out)
+            .push_back({n, weight, sample, motions[n], 0.0, {}});
     }
     return plan;
+}
+
+// Ghosts that only their motion brings into the frame get a weight.
+void GhostPlanner::BringIn(double radius_rad, const std::vector<GhostSample>& samples,
+                           const std::vector<std::optional<GhostMotion>>& motions,
+                           std::vector<double>& weights) const {
+    if (request_.model.culling != CullingRule::kAuto) return;
+    const double width = request_.image.width, height = request_.image.height;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+        const GhostSample& sample = samples[n];
+        const bool beyond = weights[n] == 0.0 && sample.frame_light <= 0.0 && sample.flux_mm2 > 0.0;
+        if (!beyond || !motions[n]) continue;
+        const Vec2d reach = ReachOf(*motions[n], radius_rad);
+        const bool near = sample.box_lo_px.x < width + reach.x &&
+                          sample.box_lo_px.y < height + reach.y && sample.box_hi_px.x > -reach.x &&
+                          sample.box_hi_px.y > -reach.y;
+        if (near && motions[n]->known) weights[n] = 1.0;
+    }
 }
 
 std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& sequences,

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/image/stop_pass.h"
-#include "core/mesh/pass_region.h"
 #include "core/tracing/paraxial_ghost.h"
 #include "core/tracing/trace_columns.h"
 
@@ -108,6 +107,9 @@ class Sampler {
         }
         sample_.box_width_px = std::max(0.0, hi_.x - lo_.x);
         sample_.box_height_px = std::max(0.0, hi_.y - lo_.y);
+        sample_.box_lo_px = lo_;
+        sample_.box_hi_px = hi_;
+        sample_.region = rect_;
         const double gain = ColourGain();
         sample_.frame_light = gain * sample_.frame_flux_mm2;
         sample_.peak = gain * std::min(sample_.peak, sample_.frame_flux_mm2 / pixel_mm2_);

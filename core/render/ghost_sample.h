@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/image/ghost_walk.h"
+#include "core/mesh/pass_region.h"
 #include "core/mesh/transmission.h"
 #include "core/tracing/light_bundle.h"
 
@@ -43,6 +44,8 @@ struct GhostSample {
     double peak = 0.0;
     double area_px2 = 0.0;                           // of the footprint on the sensor plane
     double box_width_px = 0.0, box_height_px = 0.0;  // around the footprint
+    Vec2d box_lo_px{0.0, 0.0}, box_hi_px{0.0, 0.0};  // that box, full-frame pixels
+    Rect region;  // of the bundle's plane that was sampled: every ray that passes, and some around
     std::uint64_t rays = 0, ray_surfaces = 0;
 };
 

@@ -144,6 +144,16 @@ Projection ProjectionOf(const FlareRequest& request) {
     return Projection::kRectilinear;
 }
 
+PlacedLight FacedTo(const Lens& lens, PlacedLight light, const Vec3d& direction) {
+    const Vec3d d = direction;
+    light.direction = d;
+    const double across = std::hypot(d.x, d.y);
+    light.field_rad = Settled(std::atan2(across, d.z));
+    light.pose = PoseOf(lens, across > 0.0 ? std::atan2(-d.y, -d.x) : 0.0);
+    light.pose.azimuth_rad = Settled(light.pose.azimuth_rad);
+    return light;
+}
+
 Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     const LightSpec& spec = request.lights[index];
     PlacedLight light;
@@ -160,11 +170,7 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
         if (!direction) return direction.error();
         light.direction = *direction;
     }
-    const Vec3d& d = light.direction;
-    const double across = std::hypot(d.x, d.y);
-    light.field_rad = Settled(std::atan2(across, d.z));
-    light.pose = PoseOf(*request.lens, across > 0.0 ? std::atan2(-d.y, -d.x) : 0.0);
-    light.pose.azimuth_rad = Settled(light.pose.azimuth_rad);
+    light = FacedTo(*request.lens, light, light.direction);
     if (spec.distance_m && InsideLens(*request.lens, light)) {
         return Error{"bad_value", "the light is inside the lens or touches its front surface",
                      Place(index, "distance_m")};
@@ -175,7 +181,7 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
 Spectrum PowerOf(const PlacedLight& light, double weight) {
     if (!light.power) return LightSpectrum(light.irradiance * weight);
     Spectrum power = *light.power;
-    for (double& value : power) value *= weight;
+    for (double& value : power) value *= weight * light.share;
     return power;
 }
 

@@ -23,6 +23,7 @@ struct PlacedLight {
     Vec3d irradiance{0.0, 0.0, 0.0};
     std::shared_ptr<const Spectrum> power;  // absent: that of a mix of primaries with this colour
     double angular_diameter_rad = 0.0;
+    double share = 1.0;  // of the request's light that this one stands for
 };
 
 // The projection that `pixel` uses for this lens and request.
@@ -34,6 +35,8 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index);
 
 // The light's spectrum times `weight`, in colour.
 Spectrum PowerOf(const PlacedLight& light, double weight = 1.0);
+// The same light from another direction (camera axes, unit length).
+PlacedLight FacedTo(const Lens& lens, PlacedLight light, const Vec3d& direction);
 
 // Millimetres a pixel on the sensor, horizontally and vertically.
 Vec2d PixelPitch(const FlareRequest& request);

@@ -18,20 +18,32 @@ std::vector<QualitySettings> MakeAnchors() {
     anchors[0] = {16, 8, 0.1, 0.03, 3, 14, 48.0, 4, 2e-2, {0.4, 0.4, 6.0, 64.0, 0.2}};
     anchors[0].tiles = {0.3, 0.3};
     anchors[0].tolerance = kMaxTolerance;
+    anchors[0].blur_tolerance = 0.1;
+    anchors[0].most_blur_side = 1;
+    anchors[0].least_blur_px = 1.5;
     anchors[0].culled_share = 0.5;
     // Draft, preview, final.
     anchors[1] = {16, 8, 0.1, 0.03, 3, 14, 16.0, 8, 5e-3, {0.2, 0.15, 4.0, 64.0, 0.15}};
     anchors[1].tiles = {0.1, 0.15};
     anchors[1].tolerance = 0.05;
+    anchors[1].blur_tolerance = 0.03;
+    anchors[1].most_blur_side = 2;
+    anchors[1].least_blur_px = 2.0;
     anchors[2] = {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
     anchors[2].tiles = {0.04, 0.05};
     anchors[2].tolerance = 0.02;
     anchors[3] = {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
     anchors[3].tiles = {0.01, 0.02};
     anchors[3].tolerance = 0.005;
+    anchors[3].blur_tolerance = 0.0025;
+    anchors[3].most_blur_side = 8;
+    anchors[3].least_blur_px = 5.0;
     anchors[4] = {128, 8, 0.003, 0.001, 3, 81, 0.75, 128, 1e-4, {0.02, 0.01, 0.5, 24.0, 0.015}};
     anchors[4].tiles = {0.002, 0.005};
     anchors[4].tolerance = kMinTolerance;
+    anchors[4].blur_tolerance = 5e-4;
+    anchors[4].most_blur_side = 16;
+    anchors[4].least_blur_px = 12.0;
     return anchors;
 }
 
@@ -46,6 +58,9 @@ QualitySettings Reference() {
     settings.arithmetic = MeshArithmetic::kDouble;
     settings.tolerance = kMinTolerance;
     settings.culled_share = 0.0;
+    settings.blur_tolerance = 5e-4;
+    settings.most_blur_side = 16;
+    settings.least_blur_px = 12.0;
     return settings;
 }
 
@@ -85,6 +100,9 @@ QualitySettings SettingsFor(double tolerance) {
     mixed.walk.smallest_px = Mix(a.walk.smallest_px, b.walk.smallest_px, t);
     mixed.walk.largest_px = Mix(a.walk.largest_px, b.walk.largest_px, t);
     mixed.walk.mask_step = Mix(a.walk.mask_step, b.walk.mask_step, t);
+    mixed.blur_tolerance = Mix(a.blur_tolerance, b.blur_tolerance, t);
+    mixed.most_blur_side = Mix(a.most_blur_side, b.most_blur_side, t);
+    mixed.least_blur_px = Mix(a.least_blur_px, b.least_blur_px, t);
     mixed.tiles->light = Mix(a.tiles->light, b.tiles->light, t);
     mixed.tiles->edge_px = Mix(a.tiles->edge_px, b.tiles->edge_px, t);
     return mixed;

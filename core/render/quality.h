@@ -32,6 +32,12 @@ struct QualitySettings {
     // rel_l1 that the preset is to keep, and the share of it that culling may use up.
     double tolerance = 0.02;
     double culled_share = 0.25;
+    // Of lights that are no points: rel_l1 that blurring by one motion may cost, directions along a
+    // side of the source at most, and pixels across a semi-axis of what one direction is blurred by
+    // at least, before pixels are made larger.
+    double blur_tolerance = 0.01;
+    int most_blur_side = 4;
+    double least_blur_px = 2.0;
 };
 
 // Of a plan; a quality that is to be looked for gets those of its preset.

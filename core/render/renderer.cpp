@@ -110,7 +110,7 @@ class Job {
     }
 
     // Each layer twice: in the root and under its own name.
-    void AppendLayers(FlareImage& image) const {
+    void AppendLayers(FlareImage& image) {
         const double scale = Scale();
         if (ghosts_) AppendLayer(scene_, "ghosts", ghosts_->Resolve(scale), image);
         if (photons_) AppendLayer(scene_, "ghosts", photons_->Resolve(scale), image);

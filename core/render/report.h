@@ -43,6 +43,9 @@ struct GhostFacts {
     double flux_mm2 = 0.0;  // sum over lights, per unit E0, on the whole sensor plane, at the d
                             // line (or the first wavelength of a spectral request)
     RingingFacts ringing;
+    // Of lights that are no points: from how many directions it was drawn, each blurred by its part
+    // of the source; 0 where blur was nowhere to be seen. The most of all lights.
+    int source_directions = 0;
 };
 
 // The ghosts of four reflections, where they were asked for; sums over the lights.
@@ -70,6 +73,7 @@ struct EstimatedError {
     double colour = 0.0;      // transmittances at few bands
     double mesh = 0.0;        // rays interpolated
     double pieces = 0.0;      // cells cut up
+    double source = 0.0;      // lights of some size
 };
 
 // The starburst layer; sums over the lights.
@@ -137,14 +141,17 @@ struct Work {
     std::optional<SearchWork> search;
     double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
 
-    // Adds what building a ghost took; not the times.
-    void Add(const Work& other) {
-        rays_traced += other.rays_traced;
-        ray_surfaces += other.ray_surfaces;
-        cells += other.cells;
-        mesh_hits += other.mesh_hits;
-        mesh_misses += other.mesh_misses;
-        mesh_disk_hits += other.mesh_disk_hits;
+    // The counts of another part of the work, without times.
+    void Add(const Work& part) {
+        rays_traced += part.rays_traced;
+        ray_surfaces += part.ray_surfaces;
+        sampled_rays += part.sampled_rays;
+        cells += part.cells;
+        polygons += part.polygons;
+        fragments += part.fragments;
+        mesh_hits += part.mesh_hits;
+        mesh_misses += part.mesh_misses;
+        mesh_disk_hits += part.mesh_disk_hits;
     }
 };
 

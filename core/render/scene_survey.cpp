@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/render/blurred_ghosts.h"
 #include "core/render/error_estimate.h"
 #include "core/render/ghost_list.h"
 
@@ -42,17 +43,23 @@ SceneSurvey::SceneSurvey(const FlareRequest& request, double tolerance,
       planner_(request_, scene_.iris, scene_.units_factor, context.threads) {
     if (!request_.layers.ghosts) return;
     sequences_ = TwoReflectionSequences(scene_.lens, request_.model.sensor_reflection);
-    const GhostBuilder builder(scene_, nullptr, context);
+    const GhostBuilder builder(scene_, context);
+    const GhostCanvas canvas = GhostCanvas::Of(scene_, nullptr);
     for (const std::size_t i : BrightestLights(request_.lights)) {
         const Result<PlacedLight> placed = PlaceLight(request_, i);
         if (!placed || context.cancel.cancelled()) continue;
         Light light;
+        light.placed = *placed;
         light.samples = planner_.Sample(*placed, sequences_, context);
+        light.motions =
+            planner_.Motions(*placed, sequences_, light.samples, SettingsFor(finest_), context);
         light.ghosts.resize(sequences_.size());
-        const GhostPlan plan = planner_.Plan(sequences_, light.samples, SettingsFor(finest_));
+        const GhostPlan plan =
+            planner_.Plan(*placed, sequences_, light.samples, light.motions, SettingsFor(finest_));
         context.threads.For(static_cast<int>(plan.drawn.size()), [&](int n) {
             const std::size_t ghost = plan.drawn[static_cast<std::size_t>(n)].index;
-            const GhostBuilder::Located located = builder.Locate(*placed, sequences_[ghost]);
+            const GhostBuilder::Located located =
+                builder.Locate(*placed, sequences_[ghost], canvas);
             light.ghosts[ghost] = {located.miss, located.dispersion_px};
         });
         lights_.push_back(std::move(light));
@@ -72,9 +79,19 @@ EstimatedError SceneSurvey::At(double tolerance) const {
     const double third = cell * cell * cell;
     ErrorEstimate estimate(scene_.lens, settings, scene_.spectral());
     for (const Light& light : lights_) {
-        const GhostPlan plan = planner_.Plan(sequences_, light.samples, settings);
+        const GhostPlan plan =
+            planner_.Plan(light.placed, sequences_, light.samples, light.motions, settings);
+        const double radius_rad = 0.5 * light.placed.angular_diameter_rad;
+        std::vector<BlurChoice> blurs(plan.drawn.size());
+        if (radius_rad > 0.0) blurs = ChooseBlur(plan.drawn, radius_rad, settings);
         estimate.AddLight(plan.frame_light, plan.lost_light);
-        for (const PlannedGhost& planned : plan.drawn) {
+        for (std::size_t n = 0; n < plan.drawn.size(); ++n) {
+            const PlannedGhost& planned = plan.drawn[n];
+            const int side = blurs[n].side;
+            if (side > 0) {
+                estimate.AddSource(planned.sample, planned.weight,
+                                   planned.motion->error / (side * side));
+            }
             const Ghost& ghost = light.ghosts[planned.index];
             LightColour colour;
             colour.dispersion_px = ghost.dispersion_px;

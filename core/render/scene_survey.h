@@ -29,7 +29,9 @@ class SceneSurvey {
         double dispersion_px = 0.0;
     };
     struct Light {
+        PlacedLight placed;
         std::vector<GhostSample> samples;
+        std::vector<std::optional<GhostMotion>> motions;
         std::vector<Ghost> ghosts;
     };
 

@@ -64,23 +64,27 @@ struct TilePicture::Strip {
     std::vector<double> polygons;  // of a block
 };
 
+PixelWindow WholeBlocks(const PixelWindow& window) {
+    const int x0 = FloorDiv(window.x, kBlock) * kBlock;
+    const int y0 = FloorDiv(window.y, kBlock) * kBlock;
+    const int x1 = -FloorDiv(-(window.x + window.width), kBlock) * kBlock;
+    const int y1 = -FloorDiv(-(window.y + window.height), kBlock) * kBlock;
+    return {x0, y0, x1 - x0, y1 - y0};
+}
+
 TilePicture::TilePicture(const PixelWindow& window, int width, int height, double unit)
     : middle_x_(width / 2), middle_y_(height / 2), unit_(unit) {
     window_ = FromMiddle(window);
-    const int x0 = FloorDiv(window_.x, kBlock) * kBlock;
-    const int y0 = FloorDiv(window_.y, kBlock) * kBlock;
-    const int x1 = -FloorDiv(-(window_.x + window_.width), kBlock) * kBlock;
-    const int y1 = -FloorDiv(-(window_.y + window_.height), kBlock) * kBlock;
-    padded_ = {x0, y0, x1 - x0, y1 - y0};
+    padded_ = WholeBlocks(window_);
+    const int x0 = padded_.x;
+    const int y0 = padded_.y;
     for (int l = 0; l < kTileLevels; ++l) {
         Plane& plane = planes_[static_cast<std::size_t>(l)];
         const int size = TileSize(l);
         plane.x0 = x0 / size;
         plane.y0 = y0 / size;
         plane.width = padded_.width / size;
-        plane.corners.assign(static_cast<std::size_t>(plane.width) *
-                                 static_cast<std::size_t>(padded_.height / size) * 12,
-                             0.0F);
+        plane.lit.assign(static_cast<std::size_t>(padded_.height / size), 0);
     }
     for (std::vector<float>& plane : pixels_) plane.assign(padded_.pixels(), 0.0F);
 }
@@ -104,6 +108,7 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
                                      ThreadPool& threads, const CancelToken& cancel) {
     const int strips = (padded_.height + kBlock - 1) / kBlock;
     std::vector<Drawn> drawn(static_cast<std::size_t>(strips));
+    MakeRoom(ghosts);
     threads.For(strips, [&](int s) {
         Strip strip;
         strip.y0 = padded_.y + s * kBlock;
@@ -124,11 +129,26 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
     return sum;
 }
 
+// For the smooth tiles of all levels that there are.
+void TilePicture::MakeRoom(const std::vector<TiledGhost>& ghosts) {
+    std::array<bool, kTileLevels> wanted{};
+    for (const TiledGhost& ghost : ghosts) {
+        for (const SmoothTile& tile : ghost.tiles.smooth)
+            wanted[static_cast<std::size_t>(tile.level)] = true;
+    }
+    for (std::size_t l = 0; l < kTileLevels; ++l) {
+        Plane& plane = planes_[l];
+        if (!wanted[l] || !plane.corners.empty()) continue;
+        plane.corners.assign(static_cast<std::size_t>(plane.width) * plane.lit.size() * 12, 0.0F);
+    }
+}
+
 void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn) {
     for (const SmoothTile& tile : tiles.smooth) {
         const int y = tile.y * TileSize(tile.level);
         if (y < strip.y0 || y >= strip.y1) continue;
         Plane& plane = planes_[static_cast<std::size_t>(tile.level)];
+        plane.lit[static_cast<std::size_t>(tile.y - plane.y0)] = 1;
         float* const at = &plane.corners[(static_cast<std::size_t>(tile.y - plane.y0) *
                                               static_cast<std::size_t>(plane.width) +
                                           static_cast<std::size_t>(tile.x - plane.x0)) *
@@ -293,6 +313,7 @@ void TilePicture::ResolveRow(int row, double factor,
         const Plane& plane = planes_[static_cast<std::size_t>(l)];
         const int size = TileSize(l);
         const int tile = FloorDiv(y, size);
+        if (plane.lit[static_cast<std::size_t>(tile - plane.y0)] == 0) continue;
         ExpandTiles(&plane.corners[static_cast<std::size_t>(tile - plane.y0) *
                                    static_cast<std::size_t>(plane.width) * 12],
                     plane.width, size, y - tile * size, line.data());

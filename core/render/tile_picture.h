@@ -23,6 +23,9 @@ struct TiledGhost {
     GhostTiles tiles;
 };
 
+// The whole blocks of tiles that a window touches.
+PixelWindow WholeBlocks(const PixelWindow& window);
+
 class TilePicture {
   public:
     // Tiles are laid out from the middle of a frame of `width` x `height`, so that a symmetric
@@ -34,6 +37,8 @@ class TilePicture {
     PictureMap MapFromMiddle(PictureMap map) const;
     PixelWindow FromMiddle(const PixelWindow& window) const;
     const PixelWindow& padded() const { return padded_; }
+    int middle_x() const { return middle_x_; }
+    int middle_y() const { return middle_y_; }
     double unit() const { return unit_; }
 
     struct Drawn {
@@ -56,9 +61,11 @@ class TilePicture {
     struct Strip;
     struct Plane {
         int x0 = 0, y0 = 0, width = 0;  // in tiles
-        std::vector<float> corners;     // [tile][corner][channel]
+        std::vector<float> corners;     // [tile][corner][channel]; empty until a tile comes
+        std::vector<std::uint8_t> lit;  // rows that hold any
     };
 
+    void MakeRoom(const std::vector<TiledGhost>& ghosts);
     void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,

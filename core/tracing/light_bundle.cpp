@@ -62,6 +62,26 @@ Ray LightBundle::AtFront(double u, double v) const {
     return {ray.origin + ray.direction * to_front_, ray.direction};
 }
 
+Vec3d LightBundle::TurnedTravel(Vec2d turn_rad) const {
+    const double angle = turn_rad.length();
+    if (angle == 0.0) return travel_;
+    const Vec3d towards = (e1_ * turn_rad.x + e2_ * turn_rad.y) / angle;
+    return travel_ * std::cos(angle) + towards * std::sin(angle);
+}
+
+Vec2d LightBundle::TurnTo(const Vec3d& travel) const {
+    const Vec2d across(travel.dot(e1_), travel.dot(e2_));
+    const double sine = across.length();
+    if (sine == 0.0) return across;
+    return across * (std::atan2(sine, travel.dot(travel_)) / sine);
+}
+
+Ray LightBundle::TurnedAtFront(double u, double v, Vec2d turn_rad) const {
+    const Vec3d across = e1_ * u + e2_ * v;
+    const Vec3d direction = (TurnedTravel(turn_rad) + across * inverse_distance_).normalized();
+    return {pupil_ + across + direction * to_front_, direction};
+}
+
 double LightBundle::FluxDensity(double u, double v) const {
     const double q = (u * u + v * v) * inverse_distance_ * inverse_distance_;  // tan^2
     const double r_over_d = std::sqrt(1.0 + q);

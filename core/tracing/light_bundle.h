@@ -36,6 +36,14 @@ class LightBundle {
     Ray At(double u, double v) const;
     // The same line, its origin moved along it to near the front vertex: for tracers in floats.
     Ray AtFront(double u, double v) const;
+    // The ray through the same place of the plane once the light has turned about the pupil's
+    // centre: its travel leans towards +u and +v by the components of `turn_rad`. What LightBundle
+    // says of flux and rims is of the light that has not turned.
+    Ray TurnedAtFront(double u, double v, Vec2d turn_rad) const;
+    // Where a light travels that has turned so, in canonical lens space.
+    Vec3d TurnedTravel(Vec2d turn_rad) const;
+    // The turn that takes the light there; nothing is farther than half a circle.
+    Vec2d TurnTo(const Vec3d& travel) const;
 
     // Flux through the ray's surroundings per du dv, for E0 = 1 at the pupil's centre perpendicular
     // to the beam: 1 for light from infinity, (D / r)^3 for a point at distance D (inverse square

@@ -222,7 +222,6 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                    [&](const JsonView& v) { return ReadQuality(reader, v, request.quality); }) &&
            reader.Require(root, "lights", lights) &&
            ReadLights(reader, *lights, request.color_space == ColorSpace::kSpectral,
-                      (request.layers.ghosts || request.layers.bokeh) && !request.quality.photon,
                       request.lights) &&
            IfGiven(root, "split",
                    [&](const JsonView& v) { return ReadSplit(reader, v, request); }) &&

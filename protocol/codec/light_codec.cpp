@@ -61,7 +61,7 @@ bool ReadColor(Reader& reader, const JsonView& at, bool spectral, Light& light) 
            });
 }
 
-bool ReadLight(Reader& reader, const JsonView& at, bool spectral, bool points, Light& light) {
+bool ReadLight(Reader& reader, const JsonView& at, bool spectral, Light& light) {
     if (!reader.Object(at, {"direction", "pixel", "distance_m", "irradiance",
                             "angular_diameter_deg", "temperature_k", "spectrum"})) {
         return false;
@@ -86,8 +86,7 @@ bool ReadLight(Reader& reader, const JsonView& at, bool spectral, bool points, L
            ReadColor(reader, at, spectral, light) &&
            IfGiven(at, "angular_diameter_deg", [&](const JsonView& v) {
                double& diameter = light.angular_diameter_deg;
-               return reader.Number(v, FromUpTo(0.0, limits::kMaxAngularDiameter_deg), diameter) &&
-                      (diameter == 0.0 || !points || reader.Unsupported(v));
+               return reader.Number(v, FromUpTo(0.0, limits::kMaxAngularDiameter_deg), diameter);
            });
 }
 
@@ -152,12 +151,11 @@ bool ReadReflections(Reader& reader, const JsonView& at, int& reflections) {
 
 }  // namespace
 
-bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
-                std::vector<Light>& lights) {
+bool ReadLights(Reader& reader, const JsonView& at, bool spectral, std::vector<Light>& lights) {
     if (!reader.Array(at, limits::kLights)) return false;
     lights.reserve(at.child_count());
     for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
-        if (!ReadLight(reader, *child, spectral, points, lights.emplace_back())) return false;
+        if (!ReadLight(reader, *child, spectral, lights.emplace_back())) return false;
     }
     return true;
 }

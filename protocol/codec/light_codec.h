@@ -11,9 +11,8 @@
 
 namespace flare::wire {
 
-// `spectral`: irradiances may be one number. `points`: only lights without extent are supported.
-bool ReadLights(Reader& reader, const JsonView& at, bool spectral, bool points,
-                std::vector<Light>& lights);
+// `spectral`: irradiances may be one number.
+bool ReadLights(Reader& reader, const JsonView& at, bool spectral, std::vector<Light>& lights);
 // Any surface numbers; whether there is such a path is for the lens to say.
 bool ReadSequence(Reader& reader, const JsonView& at, std::vector<int>& sequence);
 bool ReadQuality(Reader& reader, const JsonView& at, Quality& quality);

@@ -63,7 +63,7 @@ bool ReadPlaces(Reader& reader, const JsonView& root, WarmRequest& request) {
     if (const std::optional<JsonView> azimuth = root.Find("azimuth_deg")) {
         return reader.Refuse(*azimuth, "bad_value", "azimuth_deg goes with field_deg");
     }
-    if (!ReadLights(reader, *lights, false, true, request.lights)) return false;
+    if (!ReadLights(reader, *lights, false, request.lights)) return false;
     if (request.lights.empty()) return reader.Refuse(*lights, "bad_value", "no light is given");
     if (request.lights.size() > limits::kWarmLights) return RefuseTooMany(reader, *lights);
     for (const Light& light : request.lights) {

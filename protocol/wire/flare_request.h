@@ -99,7 +99,7 @@ struct Light {
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
     std::optional<double> temperature_k;
     std::optional<SampledSpectrum> spectrum;
-    double angular_diameter_deg = 0.0;  // above 0 only for the starburst alone, or by photons
+    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
 };
 
 // The reference by photons in place of meshes.

@@ -99,7 +99,7 @@ void WriteHead(JsonWriter& json, const FlareRequest& request, const Report& repo
     json.Key("estimated_error").BeginInlineObject().Member("rel_l1", error.rel_l1);
     json.Member("culling", error.culling).Member("dispersion", error.dispersion);
     json.Member("colour", error.colour).Member("mesh", error.mesh);
-    json.Member("pieces", error.pieces).End();
+    json.Member("pieces", error.pieces).Member("source", error.source).End();
     json.Key("plan");
     WriteQuality(json, request.quality, request.photon);
 }
@@ -189,6 +189,7 @@ void WriteGhosts(JsonWriter& json, const std::vector<GhostFacts>& ghosts) {
         json.BeginInlineObject();
         WriteSequence(json, ghosts[i].sequence);
         json.Member("model", ghosts[i].model).Member("flux_mm2", ghosts[i].flux_mm2);
+        json.Member("source_directions", ghosts[i].source_directions);
         WriteRinging(json, ghosts[i].ringing);
         json.End();
     }

@@ -245,7 +245,7 @@ TEST(EstimatedError, LiesNearTheMeasuredOne) {
             EXPECT_GT(error.rel_l1, 0.8 * measured) << c.lens << " " << static_cast<int>(preset);
             EXPECT_LT(error.rel_l1, 3.0 * measured) << c.lens << " " << static_cast<int>(preset);
             EXPECT_DOUBLE_EQ(error.rel_l1, error.culling + error.dispersion + error.colour +
-                                               error.mesh + error.pieces);
+                                               error.mesh + error.pieces + error.source);
         }
     }
 }

@@ -455,12 +455,6 @@ const BadRequest kNotBuilt[] = {
     {"irregularity_above_1", With(R"("iris":{"blades":5,"irregularity":1.5})"), "bad_value",
      "/iris/irregularity"},
     {"dwaa", With(R"("output":{"compression":"dwaa"})"), "unsupported", "/output/compression"},
-    {"bokeh_of_a_disc",
-     std::string(R"({"lens":"x","layers":["bokeh"],)") + kImage +
-         R"(,"lights":[{"direction":[0,0,1],"angular_diameter_deg":0.53}]})",
-     "unsupported", "/lights/0/angular_diameter_deg"},
-    {"area_light", WithLight(R"({"direction":[0,0,1],"angular_diameter_deg":0.53})"), "unsupported",
-     "/lights/1/angular_diameter_deg"},
 };
 
 std::string NameOf(const testing::TestParamInfo<BadRequest>& info) {

@@ -118,7 +118,7 @@ TEST_F(Service, ReportsWhatItDid) {
     EXPECT_EQ(root.Find("model")->Find("culling")->string(), "auto");
     const wire::JsonView error = *root.Find("estimated_error");
     double parts = 0.0;
-    for (const char* part : {"culling", "dispersion", "colour", "mesh", "pieces"}) {
+    for (const char* part : {"culling", "dispersion", "colour", "mesh", "pieces", "source"}) {
         parts += error.Find(part)->number();
     }
     EXPECT_GT(parts, 0.0);
