@@ -12,6 +12,7 @@ namespace {
 // Shares of the light, fitted: docs/accuracy.md.
 constexpr double kDispersion = 0.07;
 constexpr double kPosition = 0.2;
+constexpr double kTileEdge = 0.7;
 constexpr double kDensity = 0.12;
 constexpr double kMeshEdge = 0.6;
 constexpr double kMeshDensity = 0.6;
@@ -80,7 +81,9 @@ MeshMiss MeshMissOf(const GhostSurface& surface, const std::vector<GhostLight::C
 }
 
 ErrorEstimate::ErrorEstimate(const Lens& lens, const QualitySettings& settings, bool spectral)
-    : settings_(settings), colour_(spectral ? 0.0 : ColourError(lens, settings)) {}
+    : settings_(settings),
+      colour_(spectral ? 0.0 : ColourError(lens, settings)),
+      tile_edge_px_(settings.tiles && !spectral ? settings.tiles->edge_px : 0.0) {}
 
 void ErrorEstimate::AddDrawn(const GhostSample& sample, double weight, double dispersion_step_px,
                              const MeshMiss& miss) {
@@ -114,8 +117,8 @@ EstimatedError ErrorEstimate::Value() const {
         error.colour = kColour * colour_;
         error.mesh = mesh_light_ / drawn_light_;
         error.source = source_light_ / drawn_light_;
-        error.pieces =
-            kPosition * settings_.walk.position_px * edge + kDensity * settings_.walk.density_step;
+        error.pieces = (kPosition * settings_.walk.position_px + kTileEdge * tile_edge_px_) * edge +
+                       kDensity * settings_.walk.density_step;
     }
     error.rel_l1 =
         error.culling + error.dispersion + error.colour + error.mesh + error.pieces + error.source;

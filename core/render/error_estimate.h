@@ -43,7 +43,8 @@ class ErrorEstimate {
 
   private:
     const QualitySettings& settings_;
-    double colour_;  // relative error of a ghost's colour
+    double colour_;        // relative error of a ghost's colour
+    double tile_edge_px_;  // how far a mask's edge may be off in a tile
     double drawn_light_ = 0.0;
     double edge_light_ = 0.0;        // drawn light a pixel from an edge
     double dispersion_light_ = 0.0;  // drawn light at edges that are coloured wrongly

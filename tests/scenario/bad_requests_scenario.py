@@ -142,7 +142,7 @@ BODIES = [
      "/lights/0/temperature_k"),
     (with_light(direction=[0, 0, 1], spectrum={"wavelengths_nm": [500], "values": [0]}), 400,
      "bad_value", "/lights/0/spectrum/values"),
-    (with_light(direction=[0, 0, 1], angular_diameter_deg=20.5), 400, "bad_value",
+    (with_light(direction=[0, 0, 1], angular_diameter_deg=20.5), 400, "limit",
      "/lights/0/angular_diameter_deg"),
     # Inline lenses of every sort of brokenness.
     (changed(prescription={"name": "x", "surface": []}), 400, "bad_value", None),

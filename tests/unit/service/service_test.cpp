@@ -69,7 +69,7 @@ TEST_F(Service, GivesThePictureWithTheFactsOfTheRequestInItsHeader) {
     EXPECT_EQ(text("lensModel"), "pair");
     EXPECT_EQ(text("flareRequestHash"), reply->request_hash);
     EXPECT_EQ(text("flareUnits"), "scene_linear");
-    EXPECT_EQ(text("flareModels"), "geometric: 6");
+    EXPECT_EQ(text("flareModels"), "edge_profile: 5; geometric: 1");
     EXPECT_NE(text("flareClamped").find("/f_number"), std::string::npos) << text("flareClamped");
     for (const auto& [key, value] : image->number_attributes) {
         if (key == "aperture") {
