@@ -16,7 +16,6 @@ namespace {
 
 using testing::LightAt;
 using testing::RememberingMeshes;
-using testing::Studio;
 
 // A clock that stands still but for what is drawn.
 class Bench {
@@ -139,29 +138,6 @@ TEST(MaxError, EndsAtTheFinestTolerance) {
     EXPECT_LE(bench.drawn.size(), 4U);
     EXPECT_EQ(*found->quality.tolerance, bench.drawn.back());
     EXPECT_EQ(found->report.facts.estimated_error.rel_l1, 1.0);
-}
-
-// The whole way: the estimate and the error, and the picture asked for by its plan.
-TEST(MaxError, IsKeptByThePicture) {
-    Studio studio;
-    FlareRequest request = Scene();
-    request.quality = QualityPreset::kReference;
-    const Rendering reference = studio.Shoot(request);
-    double before = 0.0;
-    for (const double max_error : {0.03, 0.1, 0.2}) {
-        request.quality = {};
-        request.quality.max_error = max_error;
-        const Rendering found = studio.Shoot(request);
-        EXPECT_LE(found.report.facts.estimated_error.rel_l1, max_error);
-        EXPECT_LE(testing::RelL1(found.image, reference.image), max_error);
-        EXPECT_EQ(found.report.work.search->pictures, 1U) << "the survey's estimate was off";
-        EXPECT_GT(*found.quality.tolerance, before);
-        before = *found.quality.tolerance;
-
-        request.quality = found.quality;
-        const Rendering again = studio.Shoot(request);
-        EXPECT_TRUE(again.image.planes[1].values == found.image.planes[1].values);
-    }
 }
 
 }  // namespace
