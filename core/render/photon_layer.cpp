@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "core/base/units.h"
+#include "core/render/layer_planes.h"
 
 namespace flare {
 namespace {
@@ -20,11 +21,6 @@ constexpr double kEvenShare = 0.25;
 constexpr int kSamplesPerItem = 1 << 14;
 constexpr std::size_t kItemsAtOnce = 64;
 constexpr std::size_t kMostPhotons = std::size_t{1} << 22;  // kept for "nearest"
-
-float Clamped(double value) {
-    constexpr double kMost = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(value, -kMost, kMost));
-}
 
 }  // namespace
 
@@ -237,7 +233,7 @@ std::vector<std::vector<float>> PhotonLayer::Resolve(double scale) const {
     std::vector<std::vector<float>> planes(scene_.channel_count());
     for (std::size_t c = 0; c < planes.size(); ++c) {
         for (std::size_t i = 0; i < pixels; ++i) {
-            planes[c].push_back(Clamped(Mean(c * pixels + i) * scale));
+            planes[c].push_back(PlaneValue(Mean(c * pixels + i) * scale));
         }
     }
     return planes;
@@ -245,13 +241,13 @@ std::vector<std::vector<float>> PhotonLayer::Resolve(double scale) const {
 
 void PhotonLayer::AppendErrorTo(FlareImage& image, double scale) const {
     const std::size_t pixels = scene_.window.pixels();
-    for (std::size_t c = 0; c < scene_.channel_count(); ++c) {
-        std::vector<float> plane;
+    LayerPlanes planes(scene_.channel_count());
+    for (std::size_t c = 0; c < planes.size(); ++c) {
         for (std::size_t i = 0; i < pixels; ++i) {
-            plane.push_back(Clamped(StandardError(c * pixels + i) * scale));
+            planes[c].push_back(PlaneValue(StandardError(c * pixels + i) * scale));
         }
-        image.planes.push_back({"photon_error." + scene_.ChannelName(c), std::move(plane)});
     }
+    AppendBeside(scene_, "photon_error", std::move(planes), image);
 }
 
 }  // namespace flare

@@ -52,15 +52,13 @@ const std::vector<QualitySettings>& Anchors() {
     return anchors;
 }
 
+// As dense as the finest tolerance, but exact: doubles, polygons, every ghost.
 QualitySettings Reference() {
-    QualitySettings settings{128, 8,    0.003, 0.001, 4,
-                             81,  0.75, 128,   1e-4,  {0.02, 0.01, 0.5, 24.0, 0.015}};
+    QualitySettings settings = Anchors().back();
+    settings.traced_wavelengths = 4;
+    settings.tiles.reset();
     settings.arithmetic = MeshArithmetic::kDouble;
-    settings.tolerance = kMinTolerance;
     settings.culled_share = 0.0;
-    settings.blur_tolerance = 5e-4;
-    settings.most_blur_side = 16;
-    settings.least_blur_px = 12.0;
     return settings;
 }
 
