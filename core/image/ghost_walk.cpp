@@ -268,7 +268,7 @@ struct GhostWalk::Work {
         if ((fields.size() > 2 || dead_corner >= 0) && !AddMasks(value, i, j, {})) return;
         ++pieces;
         clip.ForEachPart([&](const PiecePart& part) {
-            SetLight(ghost.bands[b], i, j, part.middle, part.share);
+            SetLight(b, i, j, part.middle, part.share);
             if (!piece_edges.empty()) {
                 const double passed = Passed(b, part);
                 for (double& one : light) one *= passed;
@@ -335,7 +335,7 @@ struct GhostWalk::Work {
         if (!AddMasks(value, i, j, part)) return;
         ++pieces;
         clip.ForEachPart([&](const PiecePart& clipped) {
-            SetLight(ghost.bands[b], i, j, Vec2d(part.a, part.b) + clipped.middle * part.side,
+            SetLight(b, i, j, Vec2d(part.a, part.b) + clipped.middle * part.side,
                      clipped.share * part.side * part.side);
             for (double& value_of : light) value_of *= passes;
             sink.Add(clipped.px, light, static_cast<int>(b));
@@ -483,7 +483,7 @@ struct GhostWalk::Work {
     }
 
     // The light on a share of piece (i, j): bilinear in the cell's lattice, at the share's middle.
-    void SetLight(const GhostLight::Band& band, int i, int j, Vec2d middle, double share) {
+    void SetLight(std::size_t band, int i, int j, Vec2d middle, double share) {
         const int m = cell->light_cuts;
         const double a = m * (i + middle.x) / cuts_u;
         const double b = m * (j + middle.y) / cuts_v;
@@ -491,14 +491,17 @@ struct GhostWalk::Work {
         const int lb = std::min(static_cast<int>(b), m - 1);
         const double fa = a - la;
         const double fb = b - lb;
-        const double area = cell_area * share / (static_cast<double>(cuts_u) * cuts_v);
-        const std::size_t channels = light.size();
-        const std::size_t row = static_cast<std::size_t>(m + 1) * channels;
-        const double* const at = &band.light[cell->light_at + static_cast<std::size_t>(lb) * row +
-                                             static_cast<std::size_t>(la) * channels];
-        for (std::size_t c = 0; c < channels; ++c) {
-            light[c] = area * ((1.0 - fb) * ((1.0 - fa) * at[c] + fa * at[c + channels]) +
-                               fb * ((1.0 - fa) * at[c + row] + fa * at[c + row + channels]));
+        const double area =
+            ghost.light_unit * cell_area * share / (static_cast<double>(cuts_u) * cuts_v);
+        const std::size_t point = ghost.NumbersAPoint();
+        const std::size_t row = static_cast<std::size_t>(m + 1) * point;
+        const float* const at =
+            &ghost.light[cell->light_at * point + static_cast<std::size_t>(lb) * row +
+                         static_cast<std::size_t>(la) * point + band * light.size()];
+        const auto value = [&](std::size_t n) { return static_cast<double>(at[n]); };
+        for (std::size_t c = 0; c < light.size(); ++c) {
+            light[c] = area * ((1.0 - fb) * ((1.0 - fa) * value(c) + fa * value(c + point)) +
+                               fb * ((1.0 - fa) * value(c + row) + fa * value(c + row + point)));
         }
     }
 };

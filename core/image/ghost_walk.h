@@ -55,9 +55,9 @@ struct GhostLight {
     std::shared_ptr<const GhostSurface> surface;
     int channels = 1;
 
-    // A cell that is drawn, and where its light stands in Band::light: a lattice of light_cuts + 1
+    // A cell that is drawn, and the first of its points in `light`: a lattice of light_cuts + 1
     // points a side (more than the corners where transmittance bends sharply, as near the critical
-    // angle), row by row along v, `channels` numbers a point.
+    // angle), row by row along v.
     struct Cell {
         CellPlace place;
         double x0 = 0.0, x1 = 0.0, y0 = 0.0, y1 = 0.0;  // what of the picture it may touch
@@ -72,15 +72,19 @@ struct GhostLight {
 
     std::shared_ptr<const GhostFringes> fringes;  // none: the iris's edges are sharp
 
-    // Drawn wavelengths: the weights of the traced nodes and the light per du dv (irradiance,
-    // transmittance and colour multiplied).
+    // Drawn wavelengths, and the weights of the traced nodes.
     struct Band {
         std::vector<double> node_weights;
-        std::vector<double> light;
         int layer = 0;
         double wavelength_nm = 0.0;
     };
     std::vector<Band> bands;
+
+    // Light per du dv (irradiance, transmittance and colour multiplied) in units of `light_unit`:
+    // point by point all bands, `channels` numbers a band.
+    std::vector<float> light;
+    double light_unit = 1.0;
+    std::size_t NumbersAPoint() const { return bands.size() * static_cast<std::size_t>(channels); }
 
     // What cuts it: the iris given, or that of its fringes.
     const Iris& IrisOr(const Iris& iris) const { return fringes ? fringes->iris : iris; }

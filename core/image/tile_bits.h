@@ -36,6 +36,10 @@ class TileBits {
         });
     }
     void Mark(int x, int y) { Mark(TileBox{x, y, x + 1, y + 1}); }
+    // Marks what both of the others do; all three are over one box.
+    void MarkCommon(const TileBits& a, const TileBits& b) {
+        for (std::size_t w = 0; w < bits_.size(); ++w) bits_[w] |= a.bits_[w] & b.bits_[w];
+    }
     bool Any(const TileBox& part) const {
         return ForWords(*this, part, [](const std::uint64_t& word, std::uint64_t mask) {
             return (word & mask) != 0;

@@ -317,13 +317,13 @@ void TileEdges::AddBands(EdgeTile& tile, const TileLevel::Sheet& sheet,
     float* const rgb = &out_.band_rgb[3 * tile.bands_at];
     std::array<float, 3> sum{};
     std::array<float, 3> all{};
-    for (std::size_t b = 0; b < bands; ++b) {
-        for (const std::size_t n : corners) {
-            const FittedCell& cell = cells_[static_cast<std::size_t>(sheet.cell[kTraced / 2][n])];
-            const TileColour at =
-                light_.OfBand(b, cell, sheet.at[kTraced / 2][n][0], sheet.at[kTraced / 2][n][1]);
-            for (std::size_t c = 0; c < 3; ++c) rgb[3 * b + c] += at[c];
+    for (const std::size_t n : corners) {
+        for (std::size_t k = 0; k < kTraced; ++k) {
+            const FittedCell& cell = cells_[static_cast<std::size_t>(sheet.cell[k][n])];
+            light_.AddBands(k, cell, sheet.at[k][n], 1.0F / sheet.stretch[k][n], rgb);
         }
+    }
+    for (std::size_t b = 0; b < bands; ++b) {
         for (std::size_t c = 0; c < 3; ++c) {
             sum[c] += rgb[3 * b + c];
             all[c] += std::abs(rgb[3 * b + c]);

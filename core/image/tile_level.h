@@ -36,6 +36,7 @@ struct TileLevel {
     TileBits wanted, wanted_nodes;
     std::array<TileBits, kSheets> live;          // light of the sheet may fall there
     TileBits cut;                                // a mask may cut it
+    TileBits shut;                               // a mask may shut it, or part of it
     TileBits folded;                             // not for tiles of this size
     std::vector<std::int32_t> tile_at, node_at;  // of the records, where wanted
     std::vector<std::array<int, 2>> tiles, nodes;
@@ -62,6 +63,7 @@ struct TileLevel {
         // The cell of the solution and the place in it.
         std::array<std::vector<std::int32_t>, kTraced> cell;
         std::array<std::vector<std::array<float, 2>>, kTraced> at;
+        std::array<std::vector<float>, kTraced> stretch;  // |d(x, y) / d(a, b)| there
     };
     std::array<Sheet, kSheets> sheets;
 

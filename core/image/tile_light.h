@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A ghost's light as tiles take it: by traced wavelength instead of by band, in single precision,
-// in units of a power of two near the brightest value.
+// A ghost's light as tiles take it: by traced wavelength instead of by band, in the ghost's units.
 #pragma once
 
 #include <array>
@@ -23,7 +22,7 @@ class TileLight {
     explicit TileLight(const GhostLight& ghost);
 
     // What a float of 1 stands for.
-    double scale() const { return scale_; }
+    double scale() const { return ghost_.light_unit; }
 
     // Does the light go bilinearly from corner to corner of the cell?
     bool Even(const FittedCell& cell) const { return From(cell).light_cuts == 1; }
@@ -35,20 +34,34 @@ class TileLight {
     // At a point, of any cell.
     std::array<float, kTileLights> At(Of what, std::size_t k, const FittedCell& cell, float a,
                                       float b) const;
-    // Of one band at a point, by the nearest point of the cell's lattice, and not for each unit:
-    // only ratios between bands count.
-    TileColour OfBand(std::size_t band, const FittedCell& cell, float a, float b) const;
+    // Adds `factor` times the light of each band, as far as it leans on traced wavelength k, at a
+    // point: [band][channel]. Over all k that is the band's light.
+    void AddBands(std::size_t k, const FittedCell& cell, const std::array<float, 2>& at,
+                  float factor, float* rgb) const;
 
   private:
     const GhostLight::Cell& From(const FittedCell& cell) const {
         return ghost_.cells[static_cast<std::size_t>(cell.cell)];
     }
+    // Where a place in a cell lies in its lattice of light: the first of four points, and their
+    // shares of the light there.
+    struct InLattice {
+        std::size_t point = 0, row = 0;  // points from row to row
+        std::array<float, 4> shares{};
+    };
+    InLattice Find(const GhostLight::Cell& cell, float a, float b) const;
+    // Of each unit of the cell's own coordinates.
+    float AreaOf(const GhostLight::Cell& cell) const;
     // A point of the cell's lattice, by its place among all.
-    std::array<float, kTileLights> Point(Of what, std::size_t k, std::size_t at, float area) const;
+    std::array<float, kTileLights> Point(Of what, std::size_t k, std::size_t point,
+                                         float area) const;
+
+    static constexpr std::size_t kSums = 3 * (kTracedInTiles + 1);
 
     const GhostLight& ghost_;
-    double scale_ = 1.0;
-    std::array<std::vector<float>, kTracedInTiles + 1> light_;  // laid out as Band::light
+    std::vector<float> sums_;  // [point][traced wavelength, or all bands][channel]
+    // [traced wavelength][band][channel]: how bands lean on it
+    std::array<std::vector<float>, kTracedInTiles> leans_;
 };
 
 }  // namespace flare

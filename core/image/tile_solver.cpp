@@ -33,6 +33,8 @@ void TileSolver::Run() {
             level_.folded.Mark(level_.Touched(BoxOf(cell)));
     }
     for (const FittedCell& cell : fitted_.cells()) MarkCell(cell);
+    // Where lit parts and shut ones meet in a tile, an edge lies between them.
+    for (const TileBits& live : level_.live) level_.cut.MarkCommon(live, level_.shut);
     for (FittedCell& cell : fitted_.cells()) {
         for (std::size_t k = 0; k < kTraced; ++k) SolveCell(cell, k);
     }
@@ -49,7 +51,6 @@ void TileSolver::Run() {
 void TileSolver::MarkCell(const FittedCell& cell) {
     if (!level_.wanted.Any(level_.Touched(cell.box))) return;
     for (const FittedPart& part : fitted_.Parts(cell)) {
-        if (part.shut) continue;
         PixelBox box;
         bool folds = false;
         std::array<bool, kSheets> on_sheet{};
@@ -62,6 +63,10 @@ void TileSolver::MarkCell(const FittedCell& cell) {
         box = box.Grown(0.1F * (box.x1 - box.x0), 0.1F * (box.y1 - box.y0));
         box.Clip(cell.box);
         const TileBox tiles = level_.Touched(box);
+        if (part.shut) {
+            level_.shut.Mark(tiles);
+            continue;
+        }
         if (!part.open) level_.cut.Mark(tiles);
         if (cell.ring) continue;
         for (const PartView& view : part.views) {
@@ -163,6 +168,7 @@ void TileSolver::Keep(const FittedCell& cell, std::size_t k, std::size_t n, std:
     for (std::size_t f = 0; f < static_cast<std::size_t>(fields_); ++f) at[f] = block_.fields[f][n];
     sheet.cell[k][node] = static_cast<std::int32_t>(&cell - fitted_.cells().data());
     sheet.at[k][node] = {block_.a[n], block_.b[n]};
+    sheet.stretch[k][node] = std::abs(block_.det[n]);
     if (k == kTraced / 2) sheet.middle[node] = {light[3], light[4], light[5]};
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Grids are traced raw, with the rim ratio of every interaction (raw_grid.h). Here is decided which
-// of their cells light can use, which need a finer patch, and which rims cut the ghost: only those
-// are kept.
+// of their cells light can use and which need a finer patch.
 #include "core/mesh/mesh_builder.h"
 
 #include <algorithm>
@@ -11,21 +10,18 @@
 #include <utility>
 
 #include "core/mesh/grid_roughness.h"
+#include "core/mesh/mesh_packer.h"
 #include "core/mesh/pass_region.h"
 #include "core/mesh/raw_grid.h"
 
 namespace flare {
 namespace {
 
-constexpr int kTracerVersion = 4;  // part of every key: raise when traced values change
+constexpr int kTracerVersion = 5;  // part of every key: raise when traced values change
 
 // Bounds the memory of a mesh that hardly any ray survives; past it cells that have four living
 // corners stay as they are and others are left out.
 constexpr std::size_t kMostPatches = 4096;
-
-// Cells whose best corner has a larger (distance / semi-diameter)^2 than this at some rim do not
-// pass.
-constexpr double kNearlyPasses = 1.05;
 
 // The part of the position tolerance that floats may take up.
 constexpr double kFloatShare = 0.02;
@@ -59,9 +55,8 @@ class Builder {
                                      kFloatShare * spec_.position_tolerance_mm) {
             return false;
         }
-        UseMainCells();
-        ChooseRims();
-        for (const RawGrid& raw : raw_) PackGrid(raw);
+        AddPatches(UseMainCells());
+        PackGrids(tracer_, raw_, mesh_);
         return true;
     }
 
@@ -73,9 +68,9 @@ class Builder {
     }
 
   private:
-    // Decides the use of each main cell and adds a patch where a cell that may pass has a dead
-    // corner or is rough. A mirrored grid's lower half follows its upper one.
-    void UseMainCells() {
+    // Decides the use of each main cell: that of a patch where a cell that may pass has a dead
+    // corner or is rough. A mirrored grid's lower half follows its upper one. The cells to patch.
+    std::vector<PatchedCell> UseMainCells() {
         RawGrid& main = raw_.front();
         const int cells = main.grid.nu - 1;
         GridRoughness roughness(tracer_, spec_, lens_, main);
@@ -90,24 +85,78 @@ class Builder {
                         use = LeftAsItIs(main, i, j);
                     }
                 }
-                main.grid.cells[main.grid.Cell(i, j)] = use;
-                if (main.mirror_row > 0) {
-                    main.grid.cells[main.grid.Cell(i, cells - 1 - j)] = use;
-                }
+                SetUse(i, j, use);
             }
         }
-        for (RawGrid& patch : tracer_.Patches(main.grid, patched)) {
-            MeshGrid& grid = patch.grid;
-            for (int j = 0; j + 1 < grid.nv; ++j) {
-                for (int i = 0; i + 1 < grid.nu; ++i) {
-                    CellUse& use = grid.cells[grid.Cell(i, j)];
-                    if (use == CellUse::kUsed) use = LeftAsItIs(patch, i, j);
+        return patched;
+    }
+
+    // Cells that ask for a fine patch get one half as fine first: it shows whether any light passes
+    // and often is good enough.
+    void AddPatches(std::vector<PatchedCell> cells) {
+        std::vector<PatchedCell> fine;
+        const int half = spec_.patch_cells / 2;
+        if (MayHalve()) {
+            std::vector<PatchedCell> halved = cells;
+            for (PatchedCell& cell : halved) cell.cells = half;
+            std::vector<RawGrid> patches = tracer_.Patches(raw_.front().grid, halved);
+            for (std::size_t n = 0; n < patches.size(); ++n) {
+                if (!UsePatch(patches[n])) {
+                    SetUse(cells[n].i, cells[n].j, CellUse::kOutside);
+                } else if ((cells[n].cells > half || !patches[n].grid.smooth) &&
+                           !GoodEnough(patches[n])) {
+                    fine.push_back(cells[n]);
+                } else {
+                    raw_.push_back(std::move(patches[n]));
                 }
             }
-            const bool any = std::any_of(grid.cells.begin(), grid.cells.end(),
-                                         [](CellUse use) { return use != CellUse::kOutside; });
-            if (any) raw_.push_back(std::move(patch));
+        } else {
+            fine = std::move(cells);
         }
+        std::vector<RawGrid> patches = tracer_.Patches(raw_.front().grid, fine);
+        for (std::size_t n = 0; n < patches.size(); ++n) {
+            if (UsePatch(patches[n])) {
+                raw_.push_back(std::move(patches[n]));
+            } else {
+                SetUse(fine[n].i, fine[n].j, CellUse::kOutside);
+            }
+        }
+    }
+
+    bool MayHalve() const { return spec_.patch_cells % 2 == 0 && spec_.patch_cells >= 8; }
+
+    // Leaves out the cells of a patch that do not pass; false if none does.
+    bool UsePatch(RawGrid& patch) const {
+        MeshGrid& grid = patch.grid;
+        bool any = false;
+        for (int j = 0; j + 1 < grid.nv; ++j) {
+            for (int i = 0; i + 1 < grid.nu; ++i) {
+                CellUse& use = grid.cells[grid.Cell(i, j)];
+                if (use != CellUse::kOutside && OutsideARim(patch, patch.CornersOf(i, j)))
+                    use = CellUse::kOutside;
+                any = any || use != CellUse::kOutside;
+            }
+        }
+        return any;
+    }
+
+    bool GoodEnough(const RawGrid& patch) const {
+        if (!patch.grid.smooth) return false;
+        GridRoughness roughness(tracer_, spec_, lens_, patch);
+        const int cells = patch.grid.nu - 1;
+        for (int j = 0; j < cells; ++j) {
+            for (int i = 0; i < cells; ++i) {
+                if (roughness.Worst(i, j) > Roughness::kSmooth) return false;
+            }
+        }
+        return true;
+    }
+
+    // Of a cell of the main grid and of its mirror image.
+    void SetUse(int i, int j, CellUse use) {
+        RawGrid& main = raw_.front();
+        main.grid.cells[main.grid.Cell(i, j)] = use;
+        if (main.mirror_row > 0) main.grid.cells[main.grid.Cell(i, main.grid.nv - 2 - j)] = use;
     }
 
     // Half as many a side where the cell is but a little too rough.
@@ -115,8 +164,7 @@ class Builder {
         for (const std::size_t ray : main.CornersOf(i, j)) {
             if (main.rays->state[ray] != VertexState::kAlive) return spec_.patch_cells;
         }
-        const bool half = spec_.patch_cells % 2 == 0 && spec_.patch_cells >= 8 &&
-                          roughness.Worst(i, j) < Roughness::kVery;
+        const bool half = MayHalve() && roughness.Worst(i, j) < Roughness::kVery;
         return half ? spec_.patch_cells / 2 : spec_.patch_cells;
     }
 
@@ -128,7 +176,7 @@ class Builder {
             living += main.rays->state[ray] == VertexState::kAlive ? 1 : 0;
             dead_inside = dead_inside || main.rays->state[ray] == VertexState::kDead;
         }
-        const bool patch = living == 4 ? NearestRatio2(main, corners) < kNearlyPasses &&
+        const bool patch = living == 4 ? main.NearestRatio2(corners) < kNearlyPasses &&
                                              roughness.Worst(i, j) > Roughness::kSmooth
                                        : MayPassInPart(main, corners, living, dead_inside);
         return patch ? CellUse::kPatched : LeftAsItIs(main, i, j);
@@ -142,21 +190,31 @@ class Builder {
         return OutsideARim(main, corners) ? CellUse::kOutside : CellUse::kUsed;
     }
 
-    // All four corners beyond one rim, and so far beyond that the cell's middle is too.
+    // All living corners beyond one rim, and so far beyond that the cell's middle is too.
     bool OutsideARim(const RawGrid& raw, const CellCorners& corners) const {
+        for (const std::size_t ray : corners) {
+            // Within all rims at some wavelength.
+            if (raw.rays->state[ray] == VertexState::kAlive && raw.rays->smallest_rim[ray] <= 1.0F)
+                return false;
+        }
         const std::size_t steps = tracer_.steps();
         for (std::size_t s = 0; s < steps; ++s) {
             bool outside = true;
             for (std::size_t k = 0; k < raw.rays->nodes.size() && outside; ++k) {
                 const TraceColumns& node = raw.rays->nodes[k];
                 const float* const ratio2 = &node.rim_ratio2[s * node.stride];
-                const auto [lo, hi] = std::minmax({ratio2[corners[0]], ratio2[corners[1]],
-                                                   ratio2[corners[2]], ratio2[corners[3]]});
+                float lo = 1e30F, hi = 0.0F;
+                for (const std::size_t ray : corners) {
+                    if (raw.rays->state[ray] != VertexState::kAlive) continue;
+                    lo = std::min(lo, ratio2[ray]);
+                    hi = std::max(hi, ratio2[ray]);
+                }
                 if (lo <= 1.0F) {
                     outside = false;
                 } else {
                     const double near = RimField(static_cast<double>(lo));
-                    outside = near - 0.3 * (RimField(static_cast<double>(hi)) - near) > 0.0;
+                    const double far = RimField(static_cast<double>(hi));
+                    outside = near - 0.3 * (far - near) > 0.0;
                 }
             }
             if (outside) return true;
@@ -170,145 +228,7 @@ class Builder {
         if (dead_inside) return true;
         // Every dead corner had left the rims; the cell matters only if a living one has not, or
         // nearly has not.
-        return NearestRatio2(raw, corners) < kNearlyPasses;
-    }
-
-    static double NearestRatio2(const RawGrid& raw, const CellCorners& corners) {
-        double nearest = 1e30;
-        for (const std::size_t ray : corners) {
-            nearest = std::min(nearest, static_cast<double>(raw.rays->smallest_rim[ray]));
-        }
-        return nearest;
-    }
-
-    // A rim is kept if it cuts a used cell: some corner passes, or nearly does, another is beyond
-    // the rim.
-    void ChooseRims() {
-        const std::size_t steps = tracer_.steps();
-        std::vector<bool> active(steps, false);
-        for (const RawGrid& raw : raw_) {
-            std::vector<std::uint8_t> seen(raw.grid.Vertex(0, raw.grid.nv), 0);
-            for (int j = raw.mirror_row; j + 1 < raw.grid.nv; ++j) {
-                for (int i = 0; i + 1 < raw.grid.nu; ++i) {
-                    const CellUse use = raw.grid.cells[raw.grid.Cell(i, j)];
-                    if (use != CellUse::kUsed && use != CellUse::kTriangle) continue;
-                    const CellCorners corners = raw.CornersOf(i, j);
-                    if (NearestRatio2(raw, corners) > kNearlyPasses) continue;
-                    for (const std::size_t ray : corners) {
-                        if (raw.rays->state[ray] != VertexState::kAlive) continue;
-                        if (std::exchange(seen[ray - raw.first], std::uint8_t{1}) == 0) {
-                            MarkRims(*raw.rays, ray, active);
-                        }
-                    }
-                }
-            }
-        }
-        for (std::size_t s = 0; s < steps; ++s) {
-            // The stop is the iris's affair.
-            if (active[s] && tracer_.lists().front().steps[s].kind != InteractionKind::kStop) {
-                mesh_.rims.push_back(static_cast<int>(s));
-            }
-        }
-    }
-
-    static void MarkRims(const TracedRays& rays, std::size_t ray, std::vector<bool>& active) {
-        for (const TraceColumns& node : rays.nodes) {
-            for (std::size_t s = 0; s < active.size(); ++s) {
-                if (node.rim_ratio2[s * node.stride + ray] > 1.0F) active[s] = true;
-            }
-        }
-    }
-
-    // Adds the grid to the mesh, and the mirror image of a patch of a mirrored main grid.
-    void PackGrid(const RawGrid& raw) {
-        MeshGrid grid = raw.grid;
-        const std::size_t vertices = grid.Vertex(0, grid.nv);
-        grid.alive.resize(vertices);
-        for (int j = 0; j < grid.nv; ++j) {
-            for (int i = 0; i < grid.nu; ++i) {
-                grid.alive[grid.Vertex(i, j)] =
-                    raw.rays->state[raw.Ray(i, j)] == VertexState::kAlive;
-            }
-        }
-        for (std::size_t k = 0; k < raw.rays->nodes.size(); ++k) {
-            MeshNode node;
-            node.wavelength_nm = tracer_.lists()[k].wavelength_nm;
-            node.fields.resize(vertices * static_cast<std::size_t>(mesh_.stored_count()));
-            node.passage.resize(vertices * tracer_.passage_count());
-            for (int j = 0; j < grid.nv; ++j) {
-                const float turned = j < raw.mirror_row ? -1.0F : 1.0F;
-                for (int i = 0; i < grid.nu; ++i) {
-                    const std::size_t v = grid.Vertex(i, j);
-                    if (grid.alive[v] == 0) continue;
-                    PackVertex(raw.rays->nodes[k], raw.Ray(i, j), turned, v, node);
-                }
-            }
-            grid.nodes.push_back(std::move(node));
-        }
-        const bool mirrored = raw_.front().mirror_row > 0 && raw.mirror_row == 0;
-        if (mirrored) {
-            MeshGrid image = MirrorImage(grid);
-            mesh_.grids.push_back(std::move(grid));
-            mesh_.grids.push_back(std::move(image));
-        } else {
-            mesh_.grids.push_back(std::move(grid));
-        }
-    }
-
-    // `turned` is -1 for a mirror image, else 1.
-    void PackVertex(const TraceColumns& from, std::size_t ray, float turned, std::size_t vertex,
-                    MeshNode& node) const {
-        const float x = tracer_.mirrored_axis() == 0 ? turned : 1.0F;
-        const float y = tracer_.mirrored_axis() == 0 ? 1.0F : turned;
-        float* out = &node.fields[vertex * static_cast<std::size_t>(mesh_.stored_count())];
-        *out++ = x * from.exit_x[ray];
-        *out++ = y * from.exit_y[ray];
-        for (std::size_t c = 0; c < tracer_.crossings(); ++c) {
-            *out++ = x * from.stop_x[c * from.stride + ray];
-            *out++ = y * from.stop_y[c * from.stride + ray];
-        }
-        for (const int rim : mesh_.rims) {
-            const float r2 = from.rim_ratio2[static_cast<std::size_t>(rim) * from.stride + ray];
-            *out++ = static_cast<float>(RimField(static_cast<double>(r2)));
-        }
-        *out++ = x * from.slope_x[ray];
-        *out++ = y * from.slope_y[ray];
-        float* passage = &node.passage[vertex * tracer_.passage_count()];
-        for (std::size_t s = 0; s < tracer_.steps(); ++s) {
-            *passage++ = from.rare_cos2[s * from.stride + ray];
-        }
-        for (std::size_t a = 0; a < tracer_.absorbing().size(); ++a) {
-            *passage++ = from.segment_mm[a * from.stride + ray];
-        }
-    }
-
-    // Rows in reverse, v and the mirrored axis turned round.
-    MeshGrid MirrorImage(const MeshGrid& from) const {
-        MeshGrid image = from;
-        image.v0 = -(from.v0 + (from.nv - 1) * from.dv);
-        const auto reverse_rows = [&](auto& values, int rows) {
-            const auto row = static_cast<std::ptrdiff_t>(values.size()) / rows;
-            for (int j = 0; j < rows / 2; ++j) {
-                std::swap_ranges(values.begin() + j * row, values.begin() + (j + 1) * row,
-                                 values.begin() + (rows - 1 - j) * row);
-            }
-        };
-        reverse_rows(image.alive, image.nv);
-        reverse_rows(image.cells, image.nv - 1);
-        const std::size_t axis = tracer_.mirrored_axis();
-        const auto stored = static_cast<std::size_t>(mesh_.stored_count());
-        for (MeshNode& node : image.nodes) {
-            reverse_rows(node.fields, image.nv);
-            reverse_rows(node.passage, image.nv);
-            for (std::size_t v = 0; v < image.alive.size(); ++v) {
-                float* const at = &node.fields[v * stored];
-                for (std::size_t pair = 0; pair <= tracer_.crossings(); ++pair) {
-                    at[2 * pair + axis] = -at[2 * pair + axis];
-                }
-                at[stored - 2 + axis] = -at[stored - 2 + axis];
-            }
-        }
-        return image;
+        return raw.NearestRatio2(corners) < kNearlyPasses;
     }
 
     const MeshSpec& spec_;

@@ -28,6 +28,8 @@ constexpr int kMaxZooms = 8;
 constexpr int kMaxFollows = 24;
 constexpr int kMaxWidenings = 4;
 constexpr int kFew = 9;  // passing corners of a grid that show a region's outline; fewer do not
+constexpr double kTight = 0.3;   // of the last grid is filled by the rays that pass
+constexpr int kIslandCells = 3;  // a side of a cell that is looked into
 
 struct Corner {
     bool inside = false;     // passes all rims and the stop
@@ -58,14 +60,30 @@ class Search {
     std::optional<Rect> Run(Rect area) {
         for (int zoom = 0; zoom < kMaxZooms; ++zoom) {
             TraceCorners(area);
+            passing_ = BoxOf(area, 0, [&](int i, int j) { return At(i, j).inside; });
+            // Where enough rays pass, they and not what is kept show the way (Tighten).
+            if (!stalled()) break;
             const std::optional<Rect> kept = KeptCells(area);
             if (!kept) return std::nullopt;
-            passing_ = BoxOf(area, 0, [&](int i, int j) { return At(i, j).inside; });
             const double share = Share(*kept, area);
             area = *kept;
             if (share > 0.5) break;
         }
         return area;
+    }
+
+    // After Run, which may have kept cells far from any passing ray, on borders where rays die:
+    // looks closely into those and zooms on the rays that pass, so that these fill the rectangle.
+    Rect Tighten(Rect area) {
+        for (int zoom = 0; zoom < kMaxZooms; ++zoom) {
+            AddIslands(area);
+            const Rect kept = Wider(passing_, area, 2.0);
+            if (Share(kept, area) > kTight) break;
+            area = kept;
+            TraceCorners(area);
+            passing_ = BoxOf(area, 0, [&](int i, int j) { return At(i, j).inside; });
+        }
+        return Wider(passing_, area, 1.0);
     }
 
     // After Run: next to no ray of the last grid passes.
@@ -108,39 +126,107 @@ class Search {
     }
 
     void TraceCorners(const Rect& area) {
-        const auto count = static_cast<std::size_t>((kCellsU + 1) * (cells_v_ + 1));
-        rays_.Resize(count);
+        places_.clear();
         for (int j = 0; j <= cells_v_; ++j) {
-            for (int i = 0; i <= kCellsU; ++i) {
-                const Ray ray = bundle_.AtFront(area.u0 + (area.u1 - area.u0) * i / kCellsU,
-                                                area.v0 + (area.v1 - area.v0) * j / cells_v_);
-                rays_.Set(Index(i, j), ray.origin, ray.direction);
+            for (int i = 0; i <= kCellsU; ++i) places_.push_back(PlaceOf(area, i, j));
+        }
+        Trace(places_, corners_);
+    }
+
+    // Cells that may pass, away from the rays that do: `passing_` comes to hold the rays that pass
+    // there too.
+    void AddIslands(const Rect& area) {
+        // Next to rays that fill their rectangle, cells have been seen from near enough.
+        const Rect near = Thin(area) ? passing_ : Wider(passing_, area, 1.5);
+        const double du = (area.u1 - area.u0) / (kCellsU * kIslandCells);
+        const double dv = (area.v1 - area.v0) / (cells_v_ * kIslandCells);
+        places_.clear();
+        for (int j = 0; j < cells_v_; ++j) {
+            for (int i = 0; i < kCellsU; ++i) {
+                const Vec2d place = PlaceOf(area, i, j);
+                const bool away = place.x < near.u0 || place.x + kIslandCells * du > near.u1 ||
+                                  place.y < near.v0 || place.y + kIslandCells * dv > near.v1;
+                if (!away || !MayPass(i, j)) continue;
+                for (int n = 0; n < kIslandCells * kIslandCells; ++n) {
+                    places_.push_back(place + Vec2d(du * (n % kIslandCells + 0.5),
+                                                    dv * (n / kIslandCells + 0.5)));
+                }
             }
+        }
+        if (places_.empty()) return;
+        std::vector<Corner> inner;
+        Trace(places_, inner);
+        for (std::size_t k = 0; k < inner.size(); ++k) {
+            if (!inner[k].inside) continue;
+            passing_.u0 = std::min(passing_.u0, places_[k].x);
+            passing_.u1 = std::max(passing_.u1, places_[k].x);
+            passing_.v0 = std::min(passing_.v0, places_[k].y);
+            passing_.v1 = std::max(passing_.v1, places_[k].y);
+        }
+    }
+
+    // Do the rays that pass leave much of their rectangle empty, as a slanted strip does?
+    bool Thin(const Rect& area) const {
+        const double whole = kCellsU * cells_v_ * Share(passing_, area);
+        return CountPassing(list_.steps.size()) < 0.4 * whole;
+    }
+
+    Vec2d PlaceOf(const Rect& area, int i, int j) const {
+        return {area.u0 + (area.u1 - area.u0) * i / kCellsU,
+                area.v0 + (area.v1 - area.v0) * j / cells_v_};
+    }
+
+    void Trace(const std::vector<Vec2d>& places, std::vector<Corner>& corners) {
+        rays_.Resize(places.size());
+        for (std::size_t k = 0; k < places.size(); ++k) {
+            const Ray ray = bundle_.AtFront(places[k].x, places[k].y);
+            rays_.Set(k, ray.origin, ray.direction);
         }
         ColumnNeeds needs;
         needs.passage = false;
         needs.hits = true;
         TraceInColumns(list_, rays_, needs, traced_);
-        corners_.assign(count, {});
-        for (std::size_t k = 0; k < count; ++k) SetCorner(k);
-        tally_.rays += count;
+        corners.assign(places.size(), {});
+        SetCorners(corners);
+        tally_.rays += places.size();
     }
 
-    void SetCorner(std::size_t k) {
-        Corner& corner = corners_[k];
-        const auto fate = static_cast<RayFate>(traced_.fate[k]);
-        const std::int32_t ended = traced_.ended_at[k];
-        // A ray that is totally reflected has met the surface where that happens.
-        corner.met = ended == TraceColumns::kArrived
-                         ? list_.steps.size()
-                         : static_cast<std::size_t>(ended) + (fate == RayFate::kTir ? 1 : 0);
-        while (corner.passed < corner.met &&
-               traced_.rim_ratio2[corner.passed * traced_.stride + k] <= 1.0F) {
-            ++corner.passed;
+    // `part` by so many cells of `area` wider on each side, but within it.
+    Rect Wider(const Rect& part, const Rect& area, double cells) const {
+        const double du = cells * (area.u1 - area.u0) / kCellsU;
+        const double dv = cells * (area.v1 - area.v0) / cells_v_;
+        return {std::max(area.u0, part.u0 - du), std::min(area.u1, part.u1 + du),
+                std::max(area.v0, part.v0 - dv), std::min(area.v1, part.v1 + dv)};
+    }
+
+    // Row by row, which the compiler turns into vector instructions.
+    void SetCorners(std::vector<Corner>& corners) {
+        const std::size_t count = corners.size();
+        const auto steps = static_cast<std::int32_t>(list_.steps.size());
+        met_.resize(count);
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto fate = static_cast<RayFate>(traced_.fate[k]);
+            const std::int32_t ended = traced_.ended_at[k];
+            // A ray that is totally reflected has met the surface where that happens.
+            met_[k] =
+                ended == TraceColumns::kArrived ? steps : ended + (fate == RayFate::kTir ? 1 : 0);
         }
-        corner.inside = fate == RayFate::kArrived && corner.passed == list_.steps.size() &&
-                        traced_.disorder[k] < 2;
-        tally_.ray_surfaces += corner.met;
+        passed_.assign(count, 0);
+        for (std::int32_t s = 0; s < steps; ++s) {
+            const float* const row =
+                &traced_.rim_ratio2[static_cast<std::size_t>(s) * traced_.stride];
+            for (std::size_t k = 0; k < count; ++k) {
+                const bool passes = (passed_[k] == s) & (met_[k] > s) & (row[k] <= 1.0F);
+                passed_[k] += passes ? 1 : 0;
+            }
+        }
+        for (std::size_t k = 0; k < count; ++k) {
+            corners[k].met = static_cast<std::size_t>(met_[k]);
+            corners[k].passed = static_cast<std::size_t>(passed_[k]);
+            corners[k].inside = traced_.fate[k] == static_cast<std::uint8_t>(RayFate::kArrived) &&
+                                passed_[k] == steps && traced_.disorder[k] < 2;
+            tally_.ray_surfaces += corners[k].met;
+        }
     }
 
     // The box of the chosen corners, `margin` cells wider on each side.
@@ -231,7 +317,9 @@ class Search {
     // Large, and used again by every search of the thread.
     RayColumns& rays_ = Columns().rays;
     TraceColumns& traced_ = Columns().traced;
+    std::vector<Vec2d> places_;
     std::vector<Corner> corners_;
+    std::vector<std::int32_t> met_, passed_;  // as in Corner
     Rect passing_;
 };
 
@@ -256,7 +344,8 @@ std::optional<Rect> SearchRegion(const InteractionList& list, const LightBundle&
                      bundle.mirror_symmetric() ? 0.0 : -half, half};
     Search search(list, bundle, tally);
     std::optional<Rect> found = search.Run(whole);
-    if (!found || !search.stalled()) return found;
+    if (!found) return found;
+    if (!search.stalled()) return search.Tighten(*found);
     Rect followed = search.Follow(whole);
     found = search.Run(followed);
     // The corners that were followed may not have shown all of a region narrower than their steps.
@@ -266,6 +355,7 @@ std::optional<Rect> SearchRegion(const InteractionList& list, const LightBundle&
         followed = wider;
         found = search.Run(followed);
     }
+    if (found && !search.stalled()) return search.Tighten(*found);
     return found;
 }
 

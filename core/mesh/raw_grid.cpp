@@ -56,7 +56,7 @@ std::vector<TraceColumns>& SpareColumns() {
 }
 
 void Recycle(TracedRays* rays) {
-    constexpr std::size_t kMostSpare = 8;
+    constexpr std::size_t kMostSpare = 12;
     constexpr std::size_t kLargestSpare = std::size_t{1} << 20;  // floats in a column
     for (TraceColumns& node : rays->nodes) {
         if (SpareColumns().size() < kMostSpare && node.rim_ratio2.capacity() < kLargestSpare) {

@@ -6,6 +6,7 @@
 // one by the reference. Used by the mesh builder.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,6 +32,12 @@ struct TracedRays {
     std::vector<float> smallest_rim;
 };
 
+using CellCorners = std::array<std::size_t, 4>;
+
+// Cells whose best corner has a larger (distance / semi-diameter)^2 than this at some rim do not
+// pass.
+inline constexpr double kNearlyPasses = 1.05;
+
 struct RawGrid {
     MeshGrid grid;
     std::shared_ptr<const TracedRays> rays;
@@ -43,12 +50,17 @@ struct RawGrid {
         return first + static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.nu) +
                static_cast<std::size_t>(i);
     }
-    std::array<std::size_t, 4> CornersOf(int i, int j) const {
+    CellCorners CornersOf(int i, int j) const {
         return {Ray(i, j), Ray(i + 1, j), Ray(i, j + 1), Ray(i + 1, j + 1)};
     }
+    // Of the corners' largest rim ratios the smallest.
+    double NearestRatio2(const CellCorners& corners) const {
+        double nearest = 1e30;
+        for (const std::size_t ray : corners)
+            nearest = std::min(nearest, static_cast<double>(rays->smallest_rim[ray]));
+        return nearest;
+    }
 };
-
-using CellCorners = std::array<std::size_t, 4>;
 
 struct CellIndex {
     int i = 0, j = 0;

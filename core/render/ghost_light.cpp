@@ -2,6 +2,7 @@
 #include "core/render/ghost_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -205,6 +206,48 @@ int DrawnWavelengths(const LightColour& colour) {
                     2 + static_cast<int>(std::min(steps, colour.most_drawn - 2.0)));
 }
 
+namespace {
+
+// From what passes at each colour band to red, green and blue of each drawn one, in units of a
+// power of two: a light may be brighter than a float holds.
+class ColourMix {
+  public:
+    explicit ColourMix(const std::vector<BandShare>& shares) {
+        double most = 0.0;
+        for (const BandShare& share : shares) {
+            most = std::max(
+                {most, std::abs(share.rgb.x), std::abs(share.rgb.y), std::abs(share.rgb.z)});
+        }
+        if (most > 0.0 && std::isfinite(most)) unit_ = std::exp2(std::floor(std::log2(most)));
+        for (const BandShare& share : shares) {
+            const Vec3d rgb = share.rgb / unit_;
+            terms_.push_back({static_cast<std::size_t>(share.colour),
+                              3 * static_cast<std::size_t>(share.drawn),
+                              {static_cast<float>(rgb.x), static_cast<float>(rgb.y),
+                               static_cast<float>(rgb.z)}});
+        }
+    }
+
+    double unit() const { return unit_; }
+
+    void Add(const float* passed, float* out) const {
+        for (const Term& term : terms_) {
+            const float t = passed[term.colour];
+            for (std::size_t c = 0; c < 3; ++c) out[term.at + c] += t * term.rgb[c];
+        }
+    }
+
+  private:
+    struct Term {
+        std::size_t colour, at;
+        std::array<float, 3> rgb;
+    };
+    std::vector<Term> terms_;
+    double unit_ = 1.0;
+};
+
+}  // namespace
+
 GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const LightBundle& bundle,
                         const Lens& lens, const TransmissionTables& tables,
                         const LightColour& colour, std::vector<GhostLight::Cell> cells) {
@@ -226,40 +269,40 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
 
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);
     const CellLight light(*surface, bundle, tables, path);
-    const auto channels = static_cast<std::size_t>(ghost.channels);
     std::size_t points = 0;
     light.ChooseCuts(ghost.cells, colour.light_tolerance);
     for (GhostLight::Cell& cell : ghost.cells) {
         if (cell.ring) cell.light_cuts = 1;
-        cell.light_at = points * channels;
+        cell.light_at = points;
         points += static_cast<std::size_t>(cell.light_cuts + 1) *
                   static_cast<std::size_t>(cell.light_cuts + 1);
     }
     for (std::size_t b = 0; b < drawn.size(); ++b) {
-        ghost.bands.push_back({NodeWeights(traced, drawn[b]),
-                               std::vector<double>(points * channels, 0.0),
-                               colour.spectral ? static_cast<int>(b) : 0, drawn[b]});
+        ghost.bands.push_back(
+            {NodeWeights(traced, drawn[b]), colour.spectral ? static_cast<int>(b) : 0, drawn[b]});
     }
 
     std::vector<std::uint32_t> point_of;
     const std::vector<float> passed = light.Light(ghost.cells, point_of);
     const std::size_t wavelengths = tables.wavelengths_nm().size();
+    const std::size_t numbers = ghost.NumbersAPoint();
+    ghost.light.resize(points * numbers);
+    if (colour.spectral) {
+        ghost.light_unit = colour.irradiance;
+        for (std::size_t k = 0; k < points; ++k) {
+            std::copy_n(&passed[point_of[k] * wavelengths], numbers, &ghost.light[k * numbers]);
+        }
+        return ghost;
+    }
+    const ColourMix mix(shares);
+    ghost.light_unit = mix.unit();
+    const std::size_t known = passed.size() / wavelengths;
+    std::vector<float> mixed(known * numbers, 0.0F);
+    for (std::size_t k = 0; k < known; ++k) {
+        mix.Add(&passed[k * wavelengths], &mixed[k * numbers]);
+    }
     for (std::size_t k = 0; k < points; ++k) {
-        const float* const through = &passed[point_of[k] * wavelengths];
-        if (colour.spectral) {
-            for (std::size_t b = 0; b < drawn.size(); ++b) {
-                ghost.bands[b].light[k] = colour.irradiance * static_cast<double>(through[b]);
-            }
-            continue;
-        }
-        for (const BandShare& share : shares) {
-            double* const out =
-                &ghost.bands[static_cast<std::size_t>(share.drawn)].light[k * channels];
-            const auto t = static_cast<double>(through[share.colour]);
-            out[0] += t * share.rgb.x;
-            out[1] += t * share.rgb.y;
-            out[2] += t * share.rgb.z;
-        }
+        std::copy_n(&mixed[point_of[k] * numbers], numbers, &ghost.light[k * numbers]);
     }
     return ghost;
 }

@@ -360,6 +360,9 @@ int main(int argc, char** argv) {
     RegisterBenchmark("mesh/seed_lens_cold", flare::MeshCold, "tronnier-double-gauss-50mm-f2")
         ->Unit(milliseconds)
         ->UseRealTime();
+    RegisterBenchmark("mesh/fisheye_cold", flare::MeshCold, "shimizu-fisheye-6mm-f2_8-220deg")
+        ->Unit(milliseconds)
+        ->UseRealTime();
     RegisterBenchmark("mesh/zoom_cold", flare::MeshCold, "canon-zoom-70-200mm-f2_8")
         ->Unit(milliseconds)
         ->UseRealTime();

@@ -102,6 +102,7 @@ struct Counted {
     double distance_mm;  // 0: infinity
     double f_number;     // 0: wide open
     bool bare;
+    int cells = 32;
 };
 
 std::ostream& operator<<(std::ostream& out, const Counted& c) {
@@ -123,6 +124,7 @@ TEST_P(GhostFluxByCounting, IsTheMeshesFlux) {
     spec.field_rad = RadiansFromDegrees(c.field_deg);
     spec.inverse_distance = c.distance_mm > 0.0 ? 1.0 / c.distance_mm : 0.0;
     spec.wavelengths_nm = {kLineD};
+    spec.cells = c.cells;
     const LightBundle bundle(*lens, spec.field_rad, spec.inverse_distance);
     ThreadPool threads(2);
     const TransmissionTables tables(*lens, {kLineD}, threads);
@@ -156,7 +158,9 @@ INSTANTIATE_TEST_SUITE_P(
         Counted{"FisheyeBeyond90", testing::kFisheyeName, {16, 13}, 95.0, 0.0, 0.0, true},
         Counted{"FisheyeFarField", testing::kFisheyeName, {13, 9}, 100.0, 0.0, 0.0, true},
         Counted{"FisheyeAxis", testing::kFisheyeName, {13, 12}, 0.0, 0.0, 0.0, false},
-        Counted{"FisheyeSteep", testing::kFisheyeName, {6, 1}, 95.0, 0.0, 0.0, true},
+        // A crescent not much wider than a cell of 32: between 24 and 56 cells it is off by up to
+        // 0.6 % either way.
+        Counted{"FisheyeSteep", testing::kFisheyeName, {6, 1}, 95.0, 0.0, 0.0, true, 64},
         Counted{"PrimeField", testing::kPrimeName, {9, 4}, 12.0, 0.0, 0.0, false}),
     [](const auto& test) { return std::string(test.param.name); });
 
