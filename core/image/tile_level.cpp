@@ -9,7 +9,8 @@ namespace flare {
 void TileLevel::Start(int tile_size, const TileBox& tile_box) {
     size = tile_size;
     box = tile_box;
-    for (TileBits* const bits : {&wanted, &live[0], &live[1], &cut, &shut, &folded}) bits->Start(box);
+    for (TileBits* const bits : {&wanted, &live[0], &live[1], &cut, &shut, &folded})
+        bits->Start(box);
     wanted_nodes.Start({box.x0, box.y0, box.x1 + 1, box.y1 + 1});
     tile_at.resize(std::max(tile_at.size(), box.count()));
     node_at.resize(std::max(node_at.size(), static_cast<std::size_t>(box.width() + 1) *
