@@ -53,12 +53,16 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
         return Error{refusal->code, refusal->message, refusal->where};
     }
     auto& wire_request = std::get<wire::FlareRequest>(decoded);
+    const bool live = wire_request.encoder && !wire_request.encoder->time_s;
     const Result<std::optional<EncoderUse>> encoder =
-        TakeFromEncoder(wire_request, context.encoders);
+        TakeFromEncoder(wire_request, context.encoders, context.lenses);
     if (!encoder) return encoder.error();
     Result<FlareRequest> request = RequestFromWire(wire_request, context.lenses);
     if (!request) return request.error();
     if (*encoder) SetTStop(**encoder, wire_request, *request);
+    if (*encoder && live && context.ahead) {
+        context.ahead->Note((*encoder)->name, wire_request, EncoderClock::Now_s());
+    }
 
     Result<Rendering> rendering =
         Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms});

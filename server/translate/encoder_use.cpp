@@ -9,6 +9,7 @@
 #include "core/optics/glass.h"
 #include "core/optics/paraxial.h"
 #include "protocol/limits.h"
+#include "server/translate/ring_steps.h"
 
 namespace flare {
 namespace {
@@ -86,7 +87,8 @@ std::optional<Error> PutIn(const LensReading& reading, wire::LensChoice& lens) {
 }  // namespace
 
 Result<std::optional<EncoderUse>> TakeFromEncoder(wire::FlareRequest& request,
-                                                  const EncoderSet* encoders) {
+                                                  const EncoderSet* encoders,
+                                                  const LensLibrary& lenses) {
     if (!request.encoder) return std::optional<EncoderUse>();
     const EncoderTrack* const track = encoders ? encoders->Find(request.encoder->name) : nullptr;
     if (!track) {
@@ -95,16 +97,21 @@ Result<std::optional<EncoderUse>> TakeFromEncoder(wire::FlareRequest& request,
     }
     Result<EncoderUse> use = Look(*request.encoder, *track);
     if (!use) return use.error();
-    if (const auto error = PutIn(use->timed.reading, request.lens)) return *error;
-    if (!request.lens.name && !request.lens.prescription) {
-        const std::string lens = track->lens();
-        if (lens.empty()) {
-            return Error{
-                "missing_field",
-                "the request names no lens, and the encoder '" + use->name + "' does not either",
-                "/lens"};
+    const bool lens_named = request.lens.name || request.lens.prescription;
+    if (!lens_named) request.lens.name = track->lens();
+    if (request.lens.name) {
+        // One that is not there is refused when the request is understood.
+        if (const auto lens = lenses.Find(*request.lens.name)) {
+            LensReading& reading = use->timed.reading;
+            reading = RingSteps::For(**lens, request).Rounded(reading);
         }
-        request.lens.name = lens;
+    }
+    if (const auto error = PutIn(use->timed.reading, request.lens)) return *error;
+    if (!lens_named && request.lens.name->empty()) {
+        return Error{
+            "missing_field",
+            "the request names no lens, and the encoder '" + use->name + "' does not either",
+            "/lens"};
     }
     request.encoder.reset();
     return std::optional(std::move(*use));

@@ -14,6 +14,7 @@
 #include "core/render/flare_request.h"
 #include "protocol/wire/flare_request.h"
 #include "server/encoder/encoder_set.h"
+#include "server/lens_library.h"
 
 namespace flare {
 
@@ -24,12 +25,14 @@ struct EncoderUse {
 };
 
 // Takes the encoder out of the request and puts focus, zoom and f-stop, and the lens where none is
-// named, in; nothing if the request has no encoder. `encoders` may be null. Errors at
+// named, in; nothing if the request has no encoder. Focus and zoom of a lens of the library are
+// rounded where its meshes depend on them (ring_steps.h). `encoders` may be null. Errors at
 // "/encoder...", at a number that the encoder gives too, or at "/lens"; codes "unknown_encoder",
 // "encoder_stale" (older than encoder_max_age_ms, or no state yet), "encoder_time" (before the kept
 // history).
 Result<std::optional<EncoderUse>> TakeFromEncoder(wire::FlareRequest& request,
-                                                  const EncoderSet* encoders);
+                                                  const EncoderSet* encoders,
+                                                  const LensLibrary& lenses);
 
 // A T-stop needs the lens as it stands: N = T sqrt(t_axis), with t_axis the transmittance of the
 // direct path on the axis at 587.5618 nm. Sets the f-number of both, if a T-stop was read.

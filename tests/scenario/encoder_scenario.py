@@ -187,6 +187,58 @@ address = "127.0.0.1"
                 self.assertEqual(seen["faults"]["bad_data"], 0)
                 self.assertGreater(seen["samples"], 10)
 
+    def test_a_request_finds_the_meshes_that_the_ring_came_to(self):
+        # A lens with inner focusing: each state has its own meshes. Steps are 20 um f^2 / 1 m wide
+        # (ring_steps.h).
+        lens = "zeiss-master-prime-100mm-t1_3"
+        port, cell = free_port(), [100]
+        config = f"""
+[[encoder]]
+name = "A-cam"
+kind = "opentrackio"
+port = {port}
+address = "127.0.0.1"
+lens = "{lens}"
+"""
+        request = small_request(lens=None, encoder="A-cam", model={"culling": "none"})
+        with self.daemon(config) as daemon:
+            step = 1e3 * 0.01 / daemon.get("/v1/lenses/" + lens).json()["efl_mm"]**2
+
+            def work(reply):
+                return self.assert_ok(reply).report["work"]
+
+            def turn_to(step_number):
+                cell[0] = step_number
+                wanted = 1 / (step * (step_number + 0.1))
+                self.assertTrue(eventually(lambda: abs(
+                    self.encoder(daemon, "A-cam").get("state", {}).get("focus_m", 0) / wanted - 1)
+                    < 1e-9))
+
+            def await_states(count):
+                name = "flared_encoder_states_warmed_total{name=A-cam}"
+                self.assertTrue(eventually(lambda: daemon.metric(name) >= count),
+                                daemon.metrics())
+
+            self.sender(port, lambda i: open_track_io(
+                i, {"focusDistance": 1 / (step * (cell[0] + 0.1))}))
+            turn_to(100)
+            first = self.assert_ok(daemon.flare(request))
+            self.assertGreater(work(first)["mesh_cache_misses"], 0)
+            self.assertAlmostEqual(first.report["state"]["focus_m"], 1 / (100 * step), places=4)
+            # Without a request for it, the ring goes on; where it comes to is there already.
+            turn_to(101)
+            await_states(2)
+            turn_to(103)
+            hits = daemon.metric("flared_mesh_cache_hits_total")
+            there = work(daemon.flare(request))
+            self.assertEqual(there["mesh_cache_misses"], 0)
+            self.assertGreater(there["mesh_cache_hits"], 0)
+            self.assertGreaterEqual(daemon.metric("flared_mesh_cache_hits_total") - hits,
+                                    there["mesh_cache_hits"])
+            # Not so where nobody could know that it would stand.
+            turn_to(300)
+            self.assertGreater(work(daemon.flare(request))["mesh_cache_misses"], 0)
+
     def test_noise_is_counted_and_a_bad_configuration_refused(self):
         port = free_port()
         config = f'[[encoder]]\nname = "x"\nkind = "opentrackio"\nport = {port}\n'
