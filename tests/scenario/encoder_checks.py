@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the scenarios of lens encoders share."""
+import json
 import socket
 import threading
 
-from harness import Daemon, Scenario
+from harness import Daemon, Scenario, exr_attributes
 
 
 def without_encoder_attributes(body):
@@ -63,4 +64,8 @@ class EncoderChecks(Scenario):
         written = self.assert_ok(daemon.flare(numbers))
         self.assertEqual(without_encoder_attributes(reply.body),
                          without_encoder_attributes(written.body))
+        # The header has the same numbers to the last digit.
+        state = json.loads(exr_attributes(reply.body)["encoderState"])
+        self.assertEqual({key: value for key, value in state.items() if value is not None},
+                         {key: numbers[key] for key, value in state.items() if value is not None})
         return report
