@@ -69,6 +69,14 @@ Result<EncoderUse> Look(const wire::EncoderChoice& choice, const EncoderTrack& t
         }
         use.timed = *newest;
     }
+    const auto& values = use.timed.reading.values;
+    if (std::none_of(values.begin(), values.end(), [](const auto& v) { return v.has_value(); })) {
+        return Error{"bad_value",
+                     "the encoder '" + choice.name +
+                         "' gives counts and nothing that they mean: it has no table "
+                         "(flare encoder calibrate makes one)",
+                     "/encoder"};
+    }
     use.age_ms = std::max(0.0, 1e3 * (time_s - use.timed.time_s));
     if (choice.max_age_ms && use.age_ms > *choice.max_age_ms) {
         char text[100];

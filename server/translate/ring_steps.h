@@ -7,12 +7,14 @@
 // Focus goes in steps of 1/distance that move the image by kImageStep_mm: f^2 d(1/s) (Newton), with
 // f the longest focal length. Meshes depend on it if the lens has a table for focus, or if lights
 // are placed by pixel, whose directions follow the focus. Zoom goes in steps of its logarithm, of a
-// zoom lens alone. What meshes do not depend on is not rounded, and the iris never is. Plain
-// values.
+// zoom lens alone. The step in which an end of the lens's own table lies stands for that end, so
+// that a ring at its stop is not taken for one beyond it. What meshes do not depend on is not
+// rounded, and the iris never is. Plain values.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/optics/lens.h"
 #include "protocol/wire/flare_request.h"
@@ -44,7 +46,12 @@ class RingSteps {
     LensReading Rounded(const LensReading& reading) const { return Put(CellOf(reading), reading); }
 
   private:
+    std::int64_t FocusCell(double focus_m) const;
+    std::int64_t ZoomCell(double zoom_mm) const;
+
     double focus_per_m_ = 0.0, zoom_ = 0.0;
+    std::optional<double> nearest_m_;                // of a table of focus
+    std::optional<std::array<double, 2>> zooms_mm_;  // of a zoom lens: both ends
 };
 
 }  // namespace flare

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What warming ahead of a lens ring is worth: a ring that turns evenly, at some steps a second, while a
-draft is asked for ten times a second. The light stands at a pixel, so that its direction follows the
+draft is asked for three times a second. The light stands at a pixel, so that its direction follows the
 focus and each step of the ring has its own meshes. The share of pictures that had to trace no mesh, and how long
 they took; "still" is a ring that stands, "jumps" one that is somewhere else each time, which nobody can
 foresee.
@@ -21,7 +21,7 @@ from harness import Daemon  # noqa: E402
 
 LENS, EFL_MM = "tronnier-double-gauss-50mm-f2", 50.35816695831366
 STEP = 1e3 * 0.01 / EFL_MM**2  # of 1/m, server/translate/ring_steps.h
-SECONDS, RATE_HZ = 6, 10
+SECONDS, RATE_HZ = 8, 3
 
 
 def script(folder, name, cell_at):

@@ -151,6 +151,11 @@ TEST_F(EncoderInRequest, RefusesWhatCannotBeMeant) {
     }
     EXPECT_TRUE(Serve(Body(R"(,"encoder":"A-cam","encoder_max_age_ms":60000)")));
     EXPECT_TRUE(Serve(Body(R"(,"encoder":"A-cam","zoom_mm":50)"))) << "it measures no zoom";
+    Write("focus", "100", "200");  // counts without a table
+    const auto counts = Serve(Body(R"(,"encoder":"A-cam")"));
+    ASSERT_FALSE(counts.ok());
+    EXPECT_EQ(counts.error().where, "/encoder");
+    EXPECT_NE(counts.error().message.find("no table"), std::string::npos);
 }
 
 }  // namespace

@@ -74,6 +74,22 @@ TEST(RingSteps, AreTheSameStateWhenRoundedAgain) {
     EXPECT_EQ(steps.CellOf(LensReading{}), RingCell{});
 }
 
+TEST(RingSteps, HoldTheEndsOfTheLens) {
+    const auto zoom = Named("canon-zoom-70-200mm-f2_8");
+    const std::vector<double>& table = zoom->prescription().states.focal_mm;
+    const RingSteps steps = RingSteps::For(*zoom, LitFrom(false));
+    for (const double end_mm : {table.front(), table.back()}) {
+        EXPECT_EQ(*steps.Rounded(Reading(3.0, end_mm))[LensAxis::kZoom], end_mm);
+        EXPECT_NE(*steps.Rounded(Reading(3.0, 1.01 * end_mm))[LensAxis::kZoom], end_mm);
+    }
+    const auto prime = Named("zeiss-master-prime-100mm-t1_3");
+    const std::vector<double>& focus = prime->prescription().states.focus_m;
+    const double nearest_m = *std::min_element(focus.begin(), focus.end());
+    const RingSteps inner = RingSteps::For(*prime, LitFrom(false));
+    EXPECT_EQ(*inner.Rounded(Reading(nearest_m, 100.0))[LensAxis::kFocus], nearest_m);
+    EXPECT_LT(*inner.Rounded(Reading(0.5 * nearest_m, 100.0))[LensAxis::kFocus], nearest_m);
+}
+
 // By the thin lens: the image of distance s lies f^2/(s - f) behind the focus.
 TEST(RingSteps, MoveTheImageByNoMoreThanTheirHalf) {
     const auto lens = Named("zeiss-master-prime-100mm-t1_3");

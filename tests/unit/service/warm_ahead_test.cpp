@@ -6,9 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <thread>
+#include <vector>
 
 #include "server/cache/mesh_cache.h"
 #include "server/translate/request_from_wire.h"
@@ -165,6 +169,33 @@ TEST_F(RingAhead, HoldsNoMoreThanItsShareOfTheCache) {
     WorkUntilDone();
     EXPECT_EQ(ahead_->states("ring"), 2u);
     EXPECT_GT(Missing(42), 0u);
+}
+
+// As in the daemon: one thread reads the device, one asks, one looks, one works.
+TEST_F(RingAhead, ServesItsThreadsAtOnce) {
+    std::atomic<bool> stop = false;
+    std::atomic<double> clock_s = now_s_;
+    Turn(40);
+    std::vector<std::thread> threads;
+    threads.emplace_back([&] {
+        while (!stop) ahead_->Note("ring", Request(), clock_s);
+    });
+    threads.emplace_back([&] {
+        while (!stop) ahead_->Look(clock_s);
+    });
+    threads.emplace_back([&] {
+        while (!stop) ahead_->Step(threads_, meshes_);
+    });
+    for (int i = 0; i < 200; ++i) {
+        now_s_ += 0.01;
+        clock_s = now_s_;
+        Turn(40 + i / 50);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    stop = true;
+    for (std::thread& thread : threads) thread.join();
+    while (ahead_->Look(now_s_)) ahead_->Step(threads_, meshes_);
+    for (const std::int64_t cell : {43, 44, 47}) EXPECT_EQ(Missing(cell), 0u) << cell;
 }
 
 TEST_F(RingAhead, NobodyAsksAnyMore) {
