@@ -4,7 +4,8 @@
 draft is asked for three times a second. The light stands at a pixel, so that its direction follows the
 focus and each step of the ring has its own meshes. The share of pictures that had to trace no mesh, and how long
 they took; "still" is a ring that stands, "jumps" one that is somewhere else each time, which nobody can
-foresee.
+foresee. Then what that does to others: how long a small picture takes that has its meshes, asked for again
+and again, while the ring stands and while it turns, with nothing to trace and always something to trace.
 
 usage: warm_ahead.py    (after a release build)
 """
@@ -61,6 +62,32 @@ def measure(what, config, folder):
           f"{warmed:.0f} states warmed", flush=True)
 
 
+def beside(what, config, folder):
+    """A picture of other numbers every 30 ms; the encoder is named once a second, to be followed."""
+    path = folder / "flared.toml"
+    path.write_text(config)
+    ring = {"lens": LENS, "encoder": "ring", "quality": {"preset": "draft"}, "f_number": 4,
+            "image": {"width": 32, "height": 18, "sensor_width_mm": 36},
+            "lights": [{"pixel": [10, 6]}], "model": {"ringing": "off"}}
+    other = {**ring, "focus_m": 7}
+    del other["encoder"]
+    with Daemon("--config", str(path)) as daemon:
+        daemon.flare(other)
+        times, end_s, named_s = [], time.monotonic() + SECONDS, 0.0
+        while time.monotonic() < end_s:
+            if time.monotonic() > named_s + 1:
+                named_s = time.monotonic()
+                daemon.flare(ring)
+            time.sleep(0.03)
+            start = time.monotonic()
+            daemon.flare(other)
+            times.append(1e3 * (time.monotonic() - start))
+        traced = daemon.metric("flared_mesh_cache_misses_total")
+    times.sort()
+    print(f"{what:>20}: a picture beside it: median {times[len(times) // 2]:4.1f} ms, p99 "
+          f"{times[len(times) * 99 // 100]:4.1f} ms, {traced:.0f} meshes traced", flush=True)
+
+
 def main():
     print("load of the machine:", " ".join(f"{x:.1f}" for x in os.getloadavg()),
           f"on {os.cpu_count()} cores")
@@ -72,6 +99,9 @@ def main():
                     script(folder, f"{speed}.csv", lambda t, v=speed: 100.1 + v * t % 380), folder)
         measure("jumps", script(folder, "jumps.csv",
                                 lambda t: 20.1 + int(t * 20) * 137 % 460), folder)
+        beside("still", script(folder, "still.csv", lambda t: 200.1), folder)
+        beside("3 steps a second", script(folder, "3.csv", lambda t: 100.1 + 3 * t), folder)
+        beside("10 steps a second", script(folder, "10.csv", lambda t: 100.1 + 10 * t), folder)
 
 
 if __name__ == "__main__":

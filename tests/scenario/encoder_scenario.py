@@ -146,9 +146,11 @@ value = [0.5, 1, inf]
                 lead.stdin.write(mark + "\n")
                 said = lead.stderr.readline()
                 self.assertIn(f"count {counts} ", said)
-            lead.stdin.write("one\n\n")
+            lead.stdin.write("0.7\none\n\n")  # the ring was not turned
             lead.stdin.close()
-            self.assertIn("'one' is no mark", lead.stderr.read())
+            said = lead.stderr.read()
+            self.assertIn("left out: with it the table's raw has the same count twice", said)
+            self.assertIn("'one' is no mark", said)
             self.assertEqual(lead.wait(PATIENCE_S), 0)
             lead.stderr.close()
         with open(self.path("table.toml"), encoding="utf-8") as file:
