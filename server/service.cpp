@@ -75,7 +75,8 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
         wire_request.quality.tolerance = rendering->quality.tolerance;
     }
     if (*encoder && (*encoder)->live && context.ahead) {
-        context.ahead->Note((*encoder)->name, wire_request, EncoderClock::Now_s());
+        context.ahead->Note((*encoder)->name, wire_request, (*encoder)->timed.reading,
+                            EncoderClock::Now_s());
     }
 
     // Encode the picture with the facts that follow from the request alone.

@@ -56,7 +56,8 @@ std::optional<RingCell> WarmAhead::Ring::Next() const {
     return std::nullopt;
 }
 
-void WarmAhead::Note(const std::string& encoder, const wire::FlareRequest& request, double now_s) {
+void WarmAhead::Note(const std::string& encoder, const wire::FlareRequest& request,
+                     const LensReading& reading, double now_s) {
     if (!request.lens.name || request.lights.size() > kMostLights) return;
     if (!request.layers.ghosts || request.quality.photon) return;
     const auto lens = lenses_.Find(*request.lens.name);
@@ -70,7 +71,7 @@ void WarmAhead::Note(const std::string& encoder, const wire::FlareRequest& reque
     ring.steps = steps;
     ring.asked_s = now_s;
     ++ring.asked;
-    ring.done.clear();
+    ring.done = {steps.CellOf(reading)};
     ring.work.reset();
 }
 
@@ -137,7 +138,8 @@ bool WarmAhead::Step(ThreadPool& threads, MeshProvider& meshes) {
         more = static_cast<bool>(planned);
         if (planned) task->work = *planned;
     } else {
-        more = task->work->Step(threads, meshes, CancelToken());
+        more = task->work->Step(threads, meshes, CancelToken()) &&
+               task->work->progress().mesh_bytes < budget_bytes_;
     }
     return Finish(*task, more);
 }

@@ -8,7 +8,8 @@
 // with lights given by direction) is not followed, nor is a request with a prescription of its own
 // or with more than kMostLights lights.
 //
-// The states ahead hold no more than `budget_bytes` of meshes for each encoder. Nothing is done by
+// The states ahead hold no more than `budget_bytes` of meshes for each encoder; one that alone is
+// larger is left when it has come to that, lest it drive out what pictures use. Nothing is done by
 // itself: somebody calls Look a few times in a while, and Step, in the background, while there is
 // work. One thread at a time calls Step; all else is safe from any thread.
 #pragma once
@@ -44,8 +45,10 @@ class WarmAhead {
     WarmAhead(const LensLibrary& lenses, FindTrack find, std::size_t budget_bytes)
         : lenses_(lenses), find_(std::move(find)), budget_bytes_(budget_bytes) {}
 
-    // What was just asked for with the newest state of an encoder, its numbers put in.
-    void Note(const std::string& encoder, const wire::FlareRequest& request, double now_s);
+    // What was just rendered with the newest state of an encoder, its numbers put in, and that
+    // state, which needs no more.
+    void Note(const std::string& encoder, const wire::FlareRequest& request,
+              const LensReading& reading, double now_s);
     // Looks at the rings. True: there is something to trace.
     bool Look(double now_s);
     // Some milliseconds of work; true: there is more. Throws std::bad_alloc.

@@ -92,7 +92,7 @@ class RingAhead : public testing::Test {
     // At cell 40, with all done there, and then one cell on.
     void Begin() {
         Turn(40);
-        ahead_->Note("ring", Request(), now_s_);
+        ahead_->Note("ring", Request(), At(39), now_s_);
         EXPECT_TRUE(ahead_->Look(now_s_));
         while (ahead_->Look(now_s_)) ahead_->Step(threads_, meshes_);
         Turn(41);
@@ -120,6 +120,14 @@ TEST_F(RingAhead, TracesWhatTheRingComesTo) {
     EXPECT_TRUE(ahead_->Look(now_s_ += 0.1));
     WorkUntilDone();
     EXPECT_EQ(Missing(48), 0u);
+}
+
+TEST_F(RingAhead, WhatWasRenderedIsThere) {
+    Turn(40);
+    ahead_->Note("ring", Request(), At(40), now_s_);
+    EXPECT_FALSE(ahead_->Look(now_s_));
+    Turn(41);
+    EXPECT_TRUE(ahead_->Look(now_s_));
 }
 
 TEST_F(RingAhead, GivesUpWhatTheRingTurnsAwayFrom) {
@@ -155,7 +163,7 @@ TEST_F(RingAhead, TheIrisChangesNoMesh) {
 
 TEST_F(RingAhead, StopsAtInfinity) {
     Turn(1);
-    ahead_->Note("ring", Request(), now_s_);
+    ahead_->Note("ring", Request(), At(39), now_s_);
     while (ahead_->Look(now_s_)) ahead_->Step(threads_, meshes_);
     Turn(0);
     EXPECT_TRUE(ahead_->Look(now_s_ += 0.1));
@@ -168,6 +176,7 @@ TEST_F(RingAhead, HoldsNoMoreThanItsShareOfTheCache) {
     Begin();
     WorkUntilDone();
     EXPECT_EQ(ahead_->states("ring"), 2u);
+    EXPECT_GT(Missing(41), 0u) << "left when it had come to its share";
     EXPECT_GT(Missing(42), 0u);
 }
 
@@ -178,7 +187,7 @@ TEST_F(RingAhead, ServesItsThreadsAtOnce) {
     Turn(40);
     std::vector<std::thread> threads;
     threads.emplace_back([&] {
-        while (!stop) ahead_->Note("ring", Request(), clock_s);
+        while (!stop) ahead_->Note("ring", Request(), At(39), clock_s);
     });
     threads.emplace_back([&] {
         while (!stop) ahead_->Look(clock_s);
@@ -206,16 +215,16 @@ TEST_F(RingAhead, NobodyAsksAnyMore) {
 
 TEST_F(RingAhead, FollowsNoRingThatMeshesDoNotDependOn) {
     Turn(40);
-    ahead_->Note("ring", Request(kWhole), now_s_);
+    ahead_->Note("ring", Request(kWhole), At(39), now_s_);
     EXPECT_FALSE(ahead_->Look(now_s_));
     wire::FlareRequest many = Request();
     many.lights.resize(65, many.lights[0]);
-    ahead_->Note("ring", many, now_s_);
+    ahead_->Note("ring", many, At(39), now_s_);
     EXPECT_FALSE(ahead_->Look(now_s_));
     wire::FlareRequest pixel = Request(kWhole);
     pixel.lights[0].direction.reset();
     pixel.lights[0].pixel = {1.0, 2.0};
-    ahead_->Note("ring", pixel, now_s_);
+    ahead_->Note("ring", pixel, At(39), now_s_);
     EXPECT_TRUE(ahead_->Look(now_s_)) << "directions follow the focus";
 }
 
