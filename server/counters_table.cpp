@@ -71,6 +71,10 @@ void AddEncoders(const std::vector<EncoderCounts>& encoders, std::vector<MetricF
                         "What went wrong with the encoder, by kind",
                         MetricType::Counter,
                         {}};
+    MetricFamily warmed{"flared_encoder_states_warmed_total",
+                        "Lens states whose meshes were traced ahead of the ring",
+                        MetricType::Counter,
+                        {}};
     for (const EncoderCounts& encoder : encoders) {
         prometheus::ClientMetric metric;
         metric.label = {{"name", encoder.name}};
@@ -78,13 +82,15 @@ void AddEncoders(const std::vector<EncoderCounts>& encoders, std::vector<MetricF
         connected.metric.push_back(metric);
         metric.counter.value = static_cast<double>(encoder.samples);
         samples.metric.push_back(metric);
+        metric.counter.value = static_cast<double>(encoder.states_warmed);
+        warmed.metric.push_back(metric);
         for (const auto& [kind, count] : encoder.faults) {
             metric.label = {{"name", encoder.name}, {"kind", kind}};
             metric.counter.value = static_cast<double>(count);
             faults.metric.push_back(metric);
         }
     }
-    families.insert(families.end(), {connected, samples, faults});
+    families.insert(families.end(), {connected, samples, faults, warmed});
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ struct EncoderCounts {
     bool connected = false;
     std::uint64_t samples = 0;
     std::vector<std::pair<std::string, std::uint64_t>> faults;  // by kind
+    std::uint64_t states_warmed = 0;
 };
 
 // What is read at the moment somebody asks.

@@ -385,6 +385,10 @@ Daemon::~Daemon() {
     server_.reset();
 }
 
+bool Daemon::SubmitBackground(std::function<bool()> step) {
+    return !handler_->scheduler().SubmitBackground({CancelToken(), std::move(step)});
+}
+
 void Daemon::StartDraining() {
     handler_->StartDraining();
     server_->CloseAfterReplies();

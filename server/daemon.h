@@ -65,6 +65,10 @@ class Daemon {
     Daemon(const Daemon&) = delete;
     Daemon& operator=(const Daemon&) = delete;
 
+    // Work in steps of some milliseconds, done only while no request waits or runs. False: there is
+    // no room for more of it, or the daemon is going down.
+    bool SubmitBackground(std::function<bool()> step);
+
     // From now on /readyz says 503, new work is refused and every reply closes its connection.
     void StartDraining();
     // Waits until the admitted work is done and its replies are written; false if `bound` passed

@@ -8,11 +8,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <memory>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -36,6 +39,8 @@ constexpr int kBadUsage = 2;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::chrono::milliseconds kDrainPoll{50};
 constexpr std::chrono::milliseconds kDiskPoll{5};
+constexpr double kLookAtRings_ms = 20.0;
+constexpr std::size_t kCacheShareAhead = 4;  // of the cache that one encoder may have ahead
 
 int Fail(int exit_code, const Error& error) {
     std::cerr << "flared: " << (error.where.empty() ? "" : error.where + ": ") << error.message
@@ -163,11 +168,33 @@ WarmTask TaskFrom(const std::shared_ptr<WarmWork>& work, ThreadPool& threads, Me
     return task;
 }
 
-std::vector<EncoderCounts> CountsOf(const EncoderSet& encoders) {
+// Looks where the lens rings turn, and has what they come to traced while no request is there. A
+// step may still be done when this has returned: what is given here outlives the daemon.
+void FollowRings(const StopSignal& stop, WarmAhead& ahead, Daemon& daemon, ThreadPool& threads,
+                 MeshProvider& meshes) {
+    const auto under_way = std::make_shared<std::atomic<bool>>(false);
+    const auto step = [under_way, &ahead, &threads, &meshes] {
+        bool more = false;
+        try {
+            more = ahead.Step(threads, meshes);
+        } catch (const std::exception& problem) {
+            spdlog::error("warming ahead of a lens ring failed: {}", problem.what());
+        }
+        *under_way = more;
+        return more;
+    };
+    while (!stop.WaitFor_ms(kLookAtRings_ms)) {
+        if (!ahead.Look(EncoderClock::Now_s()) || under_way->exchange(true)) continue;
+        if (!daemon.SubmitBackground(step)) *under_way = false;
+    }
+}
+
+std::vector<EncoderCounts> CountsOf(const EncoderSet& encoders, const WarmAhead& ahead) {
     std::vector<EncoderCounts> all;
     for (const auto& track : encoders.tracks()) {
         const EncoderStatus status = track->Status(EncoderClock::Now_s());
-        EncoderCounts counts{track->config().name, status.connected, status.samples, {}};
+        const std::string& name = track->config().name;
+        EncoderCounts counts{name, status.connected, status.samples, {}, ahead.states(name)};
         for (std::size_t i = 0; i < status.faults.size(); ++i) {
             counts.faults.emplace_back(kEncoderFaultNames[i], status.faults[i]);
         }
@@ -177,10 +204,11 @@ std::vector<EncoderCounts> CountsOf(const EncoderSet& encoders) {
 }
 
 DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
-                            const DiskCache* disk, const EncoderSet& encoders) {
+                            const DiskCache* disk, const EncoderSet& encoders, WarmAhead& ahead) {
     const auto spare = std::make_shared<SpareBytes>();
     const auto context = [&, spare](const CancelToken& cancel) {
-        return ServiceContext{lenses, threads, meshes, cancel, NowMs, spare.get(), &encoders};
+        return ServiceContext{lenses, threads,     meshes,    cancel,
+                              NowMs,  spare.get(), &encoders, &ahead};
     };
     DaemonServices services;
     services.spare = spare;
@@ -202,7 +230,7 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
         return TaskFrom(*work, threads, meshes, disk);
     };
     services.encoders = [&encoders] { return EncodersJson(encoders); };
-    services.encoder_counts = [&encoders] { return CountsOf(encoders); };
+    services.encoder_counts = [&encoders, &ahead] { return CountsOf(encoders, ahead); };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();
     services.cache = [&meshes, disk] {
@@ -262,9 +290,19 @@ int Serve(const Config& config) {
     ThreadPool threads(static_cast<int>(config.threads));
     const std::unique_ptr<DiskCache> disk = DiskCacheFrom(config);
     MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB, disk.get());
+    WarmAhead ahead(
+        *lenses, [&set = **encoders](std::string_view name) { return set.Find(name); },
+        static_cast<std::size_t>(config.cache_mb) * kMiB / kCacheShareAhead);
+    MeshesInMemory meshes_ahead(meshes);
     Daemon daemon(OptionsFrom(config),
-                  ServicesFrom(*lenses, threads, meshes, disk.get(), **encoders),
+                  ServicesFrom(*lenses, threads, meshes, disk.get(), **encoders, ahead),
                   std::move(*sockets));
+    std::optional<SourceThread> follower;
+    if (!config.encoders.empty()) {
+        follower.emplace([&](const StopSignal& stop) {
+            FollowRings(stop, ahead, daemon, threads, meshes_ahead);
+        });
+    }
     // Scripts wait for these lines and read the port from them.
     for (const std::string& url : urls) std::cout << "listening " << url << '\n';
     std::cout << std::flush;

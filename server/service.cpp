@@ -56,7 +56,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     }
     auto& wire_request = std::get<wire::FlareRequest>(decoded);
     const Result<std::optional<EncoderUse>> encoder =
-        TakeFromEncoder(wire_request, context.encoders);
+        TakeFromEncoder(wire_request, context.encoders, context.lenses);
     if (!encoder) return encoder.error();
     Result<FlareRequest> request = RequestFromWire(wire_request, context.lenses);
     if (!request) return request.error();
@@ -74,6 +74,10 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
         wire_request.quality = {};
         wire_request.quality.tolerance = rendering->quality.tolerance;
     }
+    if (*encoder && (*encoder)->live && context.ahead) {
+        context.ahead->Note((*encoder)->name, wire_request, (*encoder)->timed.reading,
+                            EncoderClock::Now_s());
+    }
 
     // Encode the picture with the facts that follow from the request alone.
     ReplyFacts facts;
@@ -81,7 +85,7 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     facts.request_hash = RequestHash(wire_request, *request).hex();
     AddFactAttributes(*request, report.facts, facts.request_hash, image);
     if (*encoder) {
-        AddEncoderAttributes(**encoder, image);
+        AddEncoderAttributes(**encoder, wire_request.lens, image);
         facts.encoder = &**encoder;
     }
     const double start_ms = context.now_ms();

@@ -16,6 +16,7 @@
 #include "core/mesh/mesh_provider.h"
 #include "server/encoder/encoder_set.h"
 #include "server/lens_library.h"
+#include "server/warm_ahead.h"
 
 namespace flare {
 
@@ -29,6 +30,7 @@ struct ServiceContext {
     std::function<double()> now_ms;        // monotonic
     SpareBytes* spare = nullptr;           // where replies have their memory from, or none
     const EncoderSet* encoders = nullptr;  // that requests may name; null: none
+    WarmAhead* ahead = nullptr;            // is told what was asked of encoders; null: nobody
 };
 
 // Counted once a request for /metrics.

@@ -12,13 +12,17 @@ namespace flare {
 Result<std::shared_ptr<WarmWork>> WarmWork::Plan(std::string_view body, const LensLibrary& lenses) {
     Result<FlareRequest> request = WarmFromWire(body, lenses);
     if (!request) return request.error();
+    return PlanFor(std::move(*request));
+}
+
+Result<std::shared_ptr<WarmWork>> WarmWork::PlanFor(FlareRequest request) {
     std::vector<PlacedLight> lights;
-    for (std::size_t i = 0; i < request->lights.size(); ++i) {
-        const Result<PlacedLight> light = PlaceLight(*request, i);
+    for (std::size_t i = 0; i < request.lights.size(); ++i) {
+        const Result<PlacedLight> light = PlaceLight(request, i);
         if (!light) return light.error();
         lights.push_back(*light);
     }
-    return std::shared_ptr<WarmWork>(new WarmWork(std::move(*request), std::move(lights)));
+    return std::shared_ptr<WarmWork>(new WarmWork(std::move(request), std::move(lights)));
 }
 
 WarmWork::WarmWork(FlareRequest request, std::vector<PlacedLight> lights)
@@ -43,6 +47,7 @@ bool WarmWork::Step(ThreadPool& threads, MeshProvider& meshes, const CancelToken
             ++(found->hit ? hits_ : misses_);
             if (found->from_disk) ++disk_hits_;
             if (!found->hit) rays_ += found->mesh->rays_traced;
+            bytes_ += found->mesh->bytes();
         } catch (const std::bad_alloc&) {
             out_of_memory = true;
         }
@@ -62,6 +67,7 @@ WarmProgress WarmWork::progress() const {
     progress.mesh_disk_hits = disk_hits_;
     progress.mesh_misses = misses_;
     progress.rays_traced = rays_;
+    progress.mesh_bytes = bytes_;
     return progress;
 }
 

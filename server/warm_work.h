@@ -25,6 +25,7 @@ struct WarmProgress {
     std::uint64_t lights = 0, lights_done = 0;
     std::uint64_t mesh_hits = 0, mesh_disk_hits = 0, mesh_misses = 0;  // as in a picture's report
     std::uint64_t rays_traced = 0;
+    std::uint64_t mesh_bytes = 0;
 };
 
 // What the daemon needs to know of it.
@@ -38,6 +39,7 @@ class WarmWork {
     // Decodes and checks everything, so that no step fails for its input. Errors carry code,
     // message and `where`.
     static Result<std::shared_ptr<WarmWork>> Plan(std::string_view body, const LensLibrary& lenses);
+    static Result<std::shared_ptr<WarmWork>> PlanFor(FlareRequest request);
 
     // True: there is more to do. Throws std::bad_alloc if a mesh does not fit into memory.
     bool Step(ThreadPool& threads, MeshProvider& meshes, const CancelToken& cancel);
@@ -51,7 +53,7 @@ class WarmWork {
     std::vector<MeshSpec> specs_;  // of the light at hand
     std::size_t next_spec_ = 0;
     std::atomic<std::uint64_t> lights_done_ = 0;
-    std::atomic<std::uint64_t> hits_ = 0, disk_hits_ = 0, misses_ = 0, rays_ = 0;
+    std::atomic<std::uint64_t> hits_ = 0, disk_hits_ = 0, misses_ = 0, rays_ = 0, bytes_ = 0;
 };
 
 }  // namespace flare

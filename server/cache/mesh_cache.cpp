@@ -10,7 +10,7 @@ MeshCache::MeshCache(std::size_t max_bytes, DiskCache* disk)
     : disk_(disk), cache_(max_bytes, [](const GhostMesh& mesh) { return mesh.bytes(); }) {}
 
 Result<MeshProvider::Found> MeshCache::Get(const Fingerprint& key, const Build& build,
-                                           const CancelToken& cancel) {
+                                           const CancelToken& cancel, MeshKeeping keeping) {
     bool traced = false, from_disk = false;
     const auto make = [&] {
         if (disk_) {
@@ -26,7 +26,7 @@ Result<MeshProvider::Found> MeshCache::Get(const Fingerprint& key, const Build& 
     };
     auto found = cache_.Get(key, make, cancel);
     if (!found) return found.error();
-    if (disk_ && traced) disk_->Write(key, found->value);
+    if (disk_ && traced && keeping == MeshKeeping::kMemoryAndDisk) disk_->Write(key, found->value);
     return Found{std::move(found->value), found->hit || from_disk, from_disk};
 }
 

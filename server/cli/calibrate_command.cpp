@@ -100,8 +100,24 @@ int Fail(const Error& error) {
     return error.code == "no_server" ? kServerFailed : kBadInput;
 }
 
+// A mark that cannot stand beside the others is left out at once, and so is one whose count cannot
+// be had: nobody has to begin anew for one slip.
+void Add(double count, double value, LensAxis axis, AxisMarks& marks) {
+    AxisMarks with = marks;
+    with.raw.push_back(count);
+    with.value.push_back(value);
+    if (with.raw.size() > 1) {
+        if (const Result<AxisTable> table = AxisTable::Build(axis, with); !table) {
+            std::fprintf(stderr, "left out: with it the table's %s %s\n",
+                         table.error().where.c_str(), table.error().message.c_str());
+            return;
+        }
+    }
+    marks = std::move(with);
+}
+
 // Asks until an empty line or the end of the input.
-Result<AxisMarks> Lead(const EncoderView& view, const CalibrateOptions& options, LensAxis axis) {
+AxisMarks Lead(const EncoderView& view, const CalibrateOptions& options, LensAxis axis) {
     AxisMarks marks;
     marks.wrap = options.wrap;
     const char* const unit = axis == LensAxis::kFocus  ? "metres, or inf"
@@ -118,14 +134,16 @@ Result<AxisMarks> Lead(const EncoderView& view, const CalibrateOptions& options,
             continue;
         }
         const Result<Counted> counted = Count(view, options);
-        if (!counted) return counted.error();
+        if (!counted) {
+            std::fprintf(stderr, "left out: %s\n", counted.error().message.c_str());
+            continue;
+        }
         double count = counted->count;
         if (options.wrap > 0.0 && !marks.raw.empty()) {
             count += options.wrap * std::round((marks.raw.back() - count) / options.wrap);
         }
         std::fprintf(stderr, "count %.12g (moved by %.3g)\n", count, counted->spread);
-        marks.raw.push_back(count);
-        marks.value.push_back(*value);
+        Add(count, *value, axis, marks);
     }
 }
 
@@ -137,16 +155,15 @@ int Calibrate(const CalibrateOptions& options) {
     if (!view) return Fail(view.error());
     const Result<double> first = LookAt(*view, options);
     if (!first) return Fail(first.error());
-    const Result<AxisMarks> marks = Lead(*view, options, axis);
-    if (!marks) return Fail(marks.error());
-    const Result<AxisTable> table = AxisTable::Build(axis, *marks);
+    const AxisMarks marks = Lead(*view, options, axis);
+    const Result<AxisTable> table = AxisTable::Build(axis, marks);
     if (!table) {
         Error error = table.error();
         error.message = "the marks make no table: " + error.where + " " + error.message;
         error.where.clear();
         return Fail(error);
     }
-    if (const auto error = WriteOutput(options.output, Toml(options, *marks))) {
+    if (const auto error = WriteOutput(options.output, Toml(options, marks))) {
         Complain("", *error);
         return kFailed;
     }

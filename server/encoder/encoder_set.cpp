@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/encoder/encoder_set.h"
 
+#include <algorithm>
+
 #include "protocol/codec/json_writer.h"
 #include "server/encoder/script_encoder.h"
 #include "server/encoder/udp_encoder.h"
@@ -10,6 +12,12 @@ namespace flare {
 namespace {
 
 using wire::JsonWriter;
+
+constexpr char kNoPriority[] =
+    "encoders: real-time priority for the threads that read USB devices is refused: while requests "
+    "keep every core busy, a turn of a ring is seen up to 0.1 s late. Allow it with LimitRTPRIO=1 "
+    "in "
+    "the systemd unit (ulimit -r 1), or with the capability CAP_SYS_NICE";
 
 // What is not measured is left out; focus at infinity becomes null, as in a request.
 void WriteState(JsonWriter& json, const LensReading& reading) {
@@ -51,18 +59,21 @@ void WriteEncoder(JsonWriter& json, const EncoderTrack& track, double now_s) {
     json.End().End();
 }
 
+bool IsUsb(EncoderKind kind) {
+    return kind == EncoderKind::kQsb || kind == EncoderKind::kCooke || kind == EncoderKind::kHid;
+}
+
 // The source that the track's config asks for.
 Result<std::unique_ptr<EncoderSource>> StartSource(EncoderTrack& track) {
+    if (IsUsb(track.config().kind)) return StartUsb(track);
     switch (track.config().kind) {
         case EncoderKind::kScript:
             return StartScript(track);
         case EncoderKind::kFreeD:
         case EncoderKind::kOpenTrackIo:
             return StartUdp(track);
-        case EncoderKind::kQsb:
-        case EncoderKind::kCooke:
-        case EncoderKind::kHid:
-            return StartUsb(track);
+        default:
+            break;
     }
     return Error{"bad_config", "there is no such kind of encoder", "kind"};
 }
@@ -83,6 +94,9 @@ Result<std::unique_ptr<EncoderSet>> EncoderSet::Start(const std::vector<EncoderC
         set->tracks_.push_back(std::move(track));
         set->sources_.push_back(std::move(*source));
     }
+    const bool any_usb = std::any_of(configs.begin(), configs.end(),
+                                     [](const auto& config) { return IsUsb(config.kind); });
+    if (any_usb && !MayGoBeforeRequests()) log(true, kNoPriority);
     return set;
 }
 

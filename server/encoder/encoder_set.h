@@ -14,7 +14,8 @@ namespace flare {
 
 class EncoderSet {
   public:
-    // Error code "bad_config"; `where` names encoder and key.
+    // Error code "bad_config"; `where` names encoder and key. Says once to `log` if the threads of
+    // USB devices may not go before others.
     static Result<std::unique_ptr<EncoderSet>> Start(const std::vector<EncoderConfig>& configs,
                                                      const EncoderLog& log);
 

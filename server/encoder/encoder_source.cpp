@@ -12,10 +12,16 @@
 
 namespace flare {
 
-void GoBeforeRequests() {
+bool GoBeforeRequests() {
     pthread_setname_np(pthread_self(), "encoder");
     const sched_param lowest{sched_get_priority_min(SCHED_RR)};
-    pthread_setschedparam(pthread_self(), SCHED_RR, &lowest);
+    return pthread_setschedparam(pthread_self(), SCHED_RR, &lowest) == 0;
+}
+
+bool MayGoBeforeRequests() {
+    bool may = false;
+    std::thread([&may] { may = GoBeforeRequests(); }).join();
+    return may;
 }
 
 StopSignal::StopSignal() : fd_(eventfd(0, EFD_CLOEXEC)) {

@@ -38,9 +38,11 @@ class StopSignal {
 };
 
 // Lets the calling thread go before all ordinary ones (SCHED_RR at its lowest priority), so that
-// requests that keep every core busy do not make a reading late. Where that is not allowed the
-// thread stays as it is. For threads whose work is bounded by the speed of a wire.
-void GoBeforeRequests();
+// requests that keep every core busy do not make a reading late. False where that is not allowed:
+// the thread stays as it is. For threads whose work is bounded by the speed of a wire.
+bool GoBeforeRequests();
+// Whether a thread that is started now may; asks in one of its own.
+bool MayGoBeforeRequests();
 
 // A thread that ends when its owner does. It is the last member of a source.
 class SourceThread {

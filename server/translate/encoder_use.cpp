@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 
 #include "core/optics/glass.h"
 #include "core/optics/paraxial.h"
+#include "protocol/codec/json_writer.h"
 #include "protocol/limits.h"
+#include "server/translate/ring_steps.h"
 
 namespace flare {
 namespace {
@@ -28,6 +31,18 @@ std::string UtcText(double time_s) {
     return text;
 }
 
+std::string StateText(const LensReading& reading, const wire::LensChoice& lens) {
+    wire::JsonWriter json(wire::JsonWriter::Style::kCompact);
+    json.BeginObject();
+    if (reading[LensAxis::kFocus]) {
+        json.Member("focus_m", lens.focus_m.value_or(std::numeric_limits<double>::infinity()));
+    }
+    if (reading[LensAxis::kIris] && lens.f_number) json.Member("f_number", *lens.f_number);
+    if (reading[LensAxis::kZoom] && lens.zoom_mm) json.Member("zoom_mm", *lens.zoom_mm);
+    json.End();
+    return json.Take();
+}
+
 Result<EncoderUse> Look(const wire::EncoderChoice& choice, const EncoderTrack& track) {
     const double now_s = EncoderClock::Now_s();
     const double time_s = choice.time_s.value_or(now_s);
@@ -38,6 +53,7 @@ Result<EncoderUse> Look(const wire::EncoderChoice& choice, const EncoderTrack& t
     EncoderUse use;
     use.name = choice.name;
     use.kind = Name(track.config().kind);
+    use.live = !choice.time_s;
     if (choice.time_s) {
         const Result<TimedReading> timed = track.At(time_s);
         if (!timed) {
@@ -52,6 +68,14 @@ Result<EncoderUse> Look(const wire::EncoderChoice& choice, const EncoderTrack& t
                          "the encoder '" + choice.name + "' has given no state yet", "/encoder"};
         }
         use.timed = *newest;
+    }
+    const auto& values = use.timed.reading.values;
+    if (std::none_of(values.begin(), values.end(), [](const auto& v) { return v.has_value(); })) {
+        return Error{"bad_value",
+                     "the encoder '" + choice.name +
+                         "' gives counts and nothing that they mean: it has no table "
+                         "(flare encoder calibrate makes one)",
+                     "/encoder"};
     }
     use.age_ms = std::max(0.0, 1e3 * (time_s - use.timed.time_s));
     if (choice.max_age_ms && use.age_ms > *choice.max_age_ms) {
@@ -86,7 +110,8 @@ std::optional<Error> PutIn(const LensReading& reading, wire::LensChoice& lens) {
 }  // namespace
 
 Result<std::optional<EncoderUse>> TakeFromEncoder(wire::FlareRequest& request,
-                                                  const EncoderSet* encoders) {
+                                                  const EncoderSet* encoders,
+                                                  const LensLibrary& lenses) {
     if (!request.encoder) return std::optional<EncoderUse>();
     const EncoderTrack* const track = encoders ? encoders->Find(request.encoder->name) : nullptr;
     if (!track) {
@@ -95,16 +120,21 @@ Result<std::optional<EncoderUse>> TakeFromEncoder(wire::FlareRequest& request,
     }
     Result<EncoderUse> use = Look(*request.encoder, *track);
     if (!use) return use.error();
-    if (const auto error = PutIn(use->timed.reading, request.lens)) return *error;
-    if (!request.lens.name && !request.lens.prescription) {
-        const std::string lens = track->lens();
-        if (lens.empty()) {
-            return Error{
-                "missing_field",
-                "the request names no lens, and the encoder '" + use->name + "' does not either",
-                "/lens"};
+    const bool lens_named = request.lens.name || request.lens.prescription;
+    if (!lens_named) request.lens.name = track->lens();
+    if (use->live && request.lens.name) {
+        // One that is not there is refused when the request is understood.
+        if (const auto lens = lenses.Find(*request.lens.name)) {
+            LensReading& reading = use->timed.reading;
+            reading = RingSteps::For(**lens, request).Rounded(reading);
         }
-        request.lens.name = lens;
+    }
+    if (const auto error = PutIn(use->timed.reading, request.lens)) return *error;
+    if (!lens_named && request.lens.name->empty()) {
+        return Error{
+            "missing_field",
+            "the request names no lens, and the encoder '" + use->name + "' does not either",
+            "/lens"};
     }
     request.encoder.reset();
     return std::optional(std::move(*use));
@@ -119,7 +149,7 @@ void SetTStop(const EncoderUse& use, wire::FlareRequest& request, FlareRequest& 
     translated.f_number = request.lens.f_number;
 }
 
-void AddEncoderAttributes(const EncoderUse& use, FlareImage& image) {
+void AddEncoderAttributes(const EncoderUse& use, const wire::LensChoice& lens, FlareImage& image) {
     image.text_attributes.emplace_back("encoder", use.name);
     image.text_attributes.emplace_back("encoderKind", use.kind);
     image.text_attributes.emplace_back("encoderTime", UtcText(use.timed.time_s));
@@ -132,6 +162,7 @@ void AddEncoderAttributes(const EncoderUse& use, FlareImage& image) {
         numbers.emplace_back(reading.iris_is_t_stop ? "encoderTStop" : "encoderFNumber", *iris);
     }
     if (const auto& zoom = reading[LensAxis::kZoom]) numbers.emplace_back("encoderZoom", *zoom);
+    image.text_attributes.emplace_back("encoderState", StateText(reading, lens));
 }
 
 }  // namespace flare

@@ -19,35 +19,11 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests/scenario"))
 os.environ.setdefault("USB_SIMULATOR", str(ROOT / "build/release/bin/usb_simulator"))
 
+from encoder_checks import PERIOD_US, hardware_goes_first, latencies_ms  # noqa: E402
 from harness import Daemon, at_once, eventually, small_request  # noqa: E402
 from usb_encoder_scenario import Bus, COOKE, QSB  # noqa: E402
 
 POLLS = 1000
-PERIOD_US = 3509
-
-
-def hardware_does_not_wait(pid):
-    """Where this may be asked for, the player of the devices goes before everybody else."""
-    for thread in os.listdir(f"/proc/{pid}/task"):
-        try:
-            os.sched_setscheduler(int(thread), os.SCHED_RR, os.sched_param(1))
-        except PermissionError:
-            print("the devices are played without priority: their own delays count")
-            return
-
-
-def look(daemon, offset_s):
-    """Times in ms, sorted: from due to read of the newest record, and by how much the next is late."""
-    taken, late = [], []
-    for _ in range(POLLS):
-        time.sleep(0.0071)
-        ring = next(e for e in daemon.get("/v1/encoders").json()["encoders"]
-                    if e["name"] == "ring")
-        read_us = (ring["time_s"] - offset_s) * 1e6
-        latency_ms = (read_us - ring["raw"]["focus"]) % 2**30 / 1e3
-        taken.append(latency_ms)
-        late.append(max(0.0, latency_ms + ring["age_ms"] - PERIOD_US / 1e3))
-    return sorted(taken), sorted(late)
 
 
 def say(what, found):
@@ -61,7 +37,8 @@ def main():
     pathlib.Path(folder).write_text(QSB + COOKE)
     with Bus() as bus, Daemon("--config", folder) as daemon:
         offset_s = time.time() - time.monotonic()
-        hardware_does_not_wait(bus.process.pid)
+        if not hardware_goes_first(bus.process.pid):
+            print("the devices are played without priority: their own delays count")
         bus("add q qsb 1")
         bus("clock q")
         bus("add c cooke FT0001")
@@ -74,7 +51,7 @@ def main():
             sys.exit("the encoders did not come up: " + daemon.log())
         print("load of the machine:", " ".join(f"{x:.1f}" for x in os.getloadavg()),
               f"on {os.cpu_count()} cores")
-        say("idle", look(daemon, offset_s))
+        say("idle", latencies_ms(daemon, offset_s, POLLS))
         stop = threading.Event()
 
         def load():
@@ -83,7 +60,7 @@ def main():
 
         loader = threading.Thread(target=load)
         loader.start()
-        say("64 requests at once", look(daemon, offset_s))
+        say("64 requests at once", latencies_ms(daemon, offset_s, POLLS))
         stop.set()
         loader.join()
         for name in "qc":

@@ -146,9 +146,11 @@ value = [0.5, 1, inf]
                 lead.stdin.write(mark + "\n")
                 said = lead.stderr.readline()
                 self.assertIn(f"count {counts} ", said)
-            lead.stdin.write("one\n\n")
+            lead.stdin.write("0.7\none\n\n")  # the ring was not turned
             lead.stdin.close()
-            self.assertIn("'one' is no mark", lead.stderr.read())
+            said = lead.stderr.read()
+            self.assertIn("left out: with it the table's raw has the same count twice", said)
+            self.assertIn("'one' is no mark", said)
             self.assertEqual(lead.wait(PATIENCE_S), 0)
             lead.stderr.close()
         with open(self.path("table.toml"), encoding="utf-8") as file:
@@ -186,6 +188,59 @@ address = "127.0.0.1"
                 self.assertEqual(seen["faults"]["lost_data"], 0)
                 self.assertEqual(seen["faults"]["bad_data"], 0)
                 self.assertGreater(seen["samples"], 10)
+
+    def test_a_request_finds_the_meshes_that_the_ring_came_to(self):
+        # Lights by pixel: their directions follow the focus, so that each step of the ring has its own
+        # meshes. A step moves the image by 10 um (ring_steps.h).
+        port, cell = free_port(), [100]
+        config = f"""
+[[encoder]]
+name = "A-cam"
+kind = "opentrackio"
+port = {port}
+address = "127.0.0.1"
+"""
+        request = small_request(encoder="A-cam", lights=[{"pixel": [10, 8]}])
+        with self.daemon(config) as daemon:
+            step = 1e3 * 0.01 / daemon.get("/v1/lenses/" + LENS).json()["efl_mm"]**2
+            self.sender(port, lambda i: open_track_io(
+                i, {"focusDistance": 1 / (step * (cell[0] + 0.1))}))
+
+            def turn_to(step_number):
+                cell[0] = step_number
+                wanted = 1 / (step * (step_number + 0.1))
+                self.assertTrue(eventually(lambda: abs(
+                    self.encoder(daemon, "A-cam").get("state", {}).get("focus_m", 0) / wanted - 1)
+                    < 1e-9))
+
+            def misses():
+                reply = self.assert_ok(daemon.flare(request))
+                self.assertAlmostEqual(reply.report["state"]["focus_m"], 1 / (cell[0] * step), 9)
+                self.assert_equals_numbers(daemon, request, reply)
+                return reply.report["work"]["mesh_cache_misses"]
+
+            def warmed():
+                return daemon.metric("flared_encoder_states_warmed_total{name=A-cam}")
+
+            turn_to(100)
+            self.assertGreater(misses(), 0)
+
+            # The ring goes on without a request; the next step but one is there when it comes to it.
+            # A machine that is too busy to be ahead of this ring has some tries.
+            def is_ahead():
+                before = warmed()
+                turn_to(cell[0] + 1)
+                eventually(lambda: warmed() >= before + 2, 1.5)
+                turn_to(cell[0] + 1)
+                return misses() == 0
+
+            self.assertTrue(eventually(is_ahead), daemon.metrics())
+
+            def is_surprised():
+                turn_to(100 if cell[0] > 400 else cell[0] + 100)
+                return misses() > 0
+
+            self.assertTrue(eventually(is_surprised))
 
     def test_noise_is_counted_and_a_bad_configuration_refused(self):
         port = free_port()

@@ -12,6 +12,7 @@ TEST(ConfigUsbEncoders, ReadsEachKind) {
 name = "ring"
 kind = "qsb"
 axis = "iris"
+index = -500
 [[encoder]]
 name = "lens"
 kind = "cooke"
@@ -29,6 +30,7 @@ zoom_field = { byte = 2, bits = 24, signed = true, big_endian = true }
     ASSERT_TRUE(config.ok()) << config.error().where << config.error().message;
     ASSERT_EQ(config->encoders.size(), 3u);
     EXPECT_EQ(config->encoders[0].axis, LensAxis::kIris);
+    EXPECT_EQ(config->encoders[0].index_count, -500);
     EXPECT_FALSE(config->encoders[0].vendor);
     EXPECT_EQ(config->encoders[1].serial, "FT1");
     EXPECT_EQ(config->encoders[1].product, 0x6015);
@@ -55,6 +57,8 @@ TEST(ConfigUsbEncoders, SaysWhereItIsWrong) {
         {"[[encoder]]\nname=\"a\"\nkind=\"qsb\"\nport=1", "line 4, column 1"},
         {hid + "report=256", "line 6, column 1"},
         {hid + "axis=\"focus\"", "line 6, column 1"},
+        {hid + "index=1", "line 6, column 1"},
+        {"[[encoder]]\nname=\"a\"\nkind=\"qsb\"\nindex=0.5", "line 4, column 1"},
         {hid + "focus_field=1", "line 6, column 1"},
         {hid + "focus_field={bits=8}", "line 6, column 1"},
         {hid + "focus_field={byte=1,bits=12}", "line 6, column 1"},

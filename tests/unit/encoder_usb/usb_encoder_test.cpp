@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <linux/capability.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -212,19 +213,18 @@ TEST(UsbEncoder, AQsbTakesItsCountFromTheIndexMark) {
     EXPECT_TRUE(Awaits(without, LensAxis::kFocus, 100));
 }
 
-// The capability that lets root open every file, taken from this thread and from those that it
-// starts meanwhile.
-class WithoutOverride {
+// Capabilities taken from this thread and from those that it starts meanwhile.
+class Without {
   public:
-    WithoutOverride() {
+    explicit Without(std::uint32_t capabilities) {
         EXPECT_EQ(syscall(SYS_capget, &header_, old_.data()), 0);
         std::array<__user_cap_data_struct, 2> less = old_;
-        less[0].effective &= ~((1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH));
+        less[0].effective &= ~capabilities;
         EXPECT_EQ(syscall(SYS_capset, &header_, less.data()), 0);
     }
-    ~WithoutOverride() { EXPECT_EQ(syscall(SYS_capset, &header_, old_.data()), 0); }
-    WithoutOverride(const WithoutOverride&) = delete;
-    WithoutOverride& operator=(const WithoutOverride&) = delete;
+    ~Without() { EXPECT_EQ(syscall(SYS_capset, &header_, old_.data()), 0); }
+    Without(const Without&) = delete;
+    Without& operator=(const Without&) = delete;
 
   private:
     __user_cap_header_struct header_{_LINUX_CAPABILITY_VERSION_3, 0};
@@ -245,7 +245,8 @@ TEST(UsbEncoder, IsDeniedUntilTheRuleIsThereAndSaysSoOnce) {
     };
     Result<std::unique_ptr<EncoderSet>> set = Error{"", "", ""};
     {
-        const WithoutOverride as_any_user;
+        // With these root opens every file.
+        const Without as_any_user((1U << CAP_DAC_OVERRIDE) | (1U << CAP_DAC_READ_SEARCH));
         set = EncoderSet::Start({Box()}, [&](bool, const std::string& line) {
             const std::lock_guard lock(mutex);
             lines.push_back(line);
@@ -263,6 +264,36 @@ TEST(UsbEncoder, IsDeniedUntilTheRuleIsThereAndSaysSoOnce) {
     ASSERT_TRUE(Eventually([&] { return track.connected(); }));
     EXPECT_EQ(track.Status(EncoderClock::Now_s()).problem, "");
     EXPECT_EQ(told("connected to"), 1);
+}
+
+TEST(UsbEncoder, SaysOnceThatPriorityIsRefused) {
+    const auto lines_of = [](const std::vector<EncoderConfig>& configs) {
+        int lines = 0;
+        const auto set = EncoderSet::Start(configs, [&](bool warning, const std::string& line) {
+            if (line.find("real-time priority") == std::string::npos) return;
+            EXPECT_TRUE(warning);
+            ++lines;
+        });
+        EXPECT_TRUE(set);
+        return lines;
+    };
+    Bus bus;
+    EncoderConfig other = Box();
+    other.name = "other";
+    EncoderConfig udp;
+    udp.kind = EncoderKind::kFreeD;
+    EXPECT_EQ(lines_of({Box(), other}), MayGoBeforeRequests() ? 0 : 1);
+    rlimit old{};
+    ASSERT_EQ(getrlimit(RLIMIT_RTPRIO, &old), 0);
+    const rlimit none{0, old.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &none), 0);
+    {
+        const Without priority(1U << CAP_SYS_NICE);
+        EXPECT_FALSE(MayGoBeforeRequests());
+        EXPECT_EQ(lines_of({Box(), other}), 1);
+        EXPECT_EQ(lines_of({udp}), 0) << "it has no thread that goes before others";
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_RTPRIO, &old), 0);
 }
 
 TEST(UsbEncoder, ErrorsOfLibusbAreNamed) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -93,7 +94,14 @@ TEST_F(EncoderInRequest, GivesThePictureOfTheNumbersWrittenOut) {
     }
     EXPECT_EQ(WithoutEncoder(live.text_attributes), numbers.text_attributes);
     EXPECT_EQ(WithoutEncoder(live.number_attributes), numbers.number_attributes);
-    EXPECT_EQ(live.text_attributes.size(), numbers.text_attributes.size() + 3);
+    EXPECT_EQ(live.text_attributes.size(), numbers.text_attributes.size() + 4);
+    // The header says it to the last digit.
+    const auto state = std::find_if(live.text_attributes.begin(), live.text_attributes.end(),
+                                    [](const auto& a) { return a.first == "encoderState"; });
+    ASSERT_NE(state, live.text_attributes.end());
+    const std::string members = state->second.substr(1, state->second.size() - 2);
+    const FlareImage stated = Picture(Serve(Body("," + members)));
+    EXPECT_EQ(live.planes[0].values, stated.planes[0].values) << members;
     const FlareImage other = Picture(Serve(Body(R"(,"focus_m":1.5,"f_number":4)")));
     EXPECT_NE(live.planes[0].values, other.planes[0].values);
 }
@@ -143,6 +151,11 @@ TEST_F(EncoderInRequest, RefusesWhatCannotBeMeant) {
     }
     EXPECT_TRUE(Serve(Body(R"(,"encoder":"A-cam","encoder_max_age_ms":60000)")));
     EXPECT_TRUE(Serve(Body(R"(,"encoder":"A-cam","zoom_mm":50)"))) << "it measures no zoom";
+    Write("focus", "100", "200");  // counts without a table
+    const auto counts = Serve(Body(R"(,"encoder":"A-cam")"));
+    ASSERT_FALSE(counts.ok());
+    EXPECT_EQ(counts.error().where, "/encoder");
+    EXPECT_NE(counts.error().message.find("no table"), std::string::npos);
 }
 
 }  // namespace
