@@ -19,29 +19,26 @@ class LightPoints {
     LightPoints(const GhostSurface& surface, const LightBundle& bundle)
         : surface_(surface), mesh_(surface.mesh()), bundle_(bundle) {}
 
-    // (a, b) in the cell, 0..1, bilinear between its corners, of which a dead one is filled in by
-    // the parallelogram rule. Returns the point's number.
+    // A corner of the cell, or where the corner is dead what the parallelogram rule makes of it.
+    // Returns the point's number.
+    std::uint32_t AddCorner(const CellPlace& place, int i, int j) {
+        return AddBilinear(place, i, j);
+    }
+
+    // (a, b) in the cell, 0..1: passages are cubic through the vertices around it, bilinear next to
+    // dead ones.
     std::uint32_t Add(const CellPlace& place, double a, double b) {
         const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
-        Point& point = points_.emplace_back();
-        point.grid = &grid;
-        std::array<double, 4> shares = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b};
-        if (surface_.UseOf(place) == CellUse::kTriangle) {
-            const auto dead = static_cast<std::size_t>(surface_.DeadCorner(place));
-            const double share = std::exchange(shares[dead], 0.0);
-            shares[dead ^ 1U] += share;
-            shares[dead ^ 2U] += share;
-            shares[dead ^ 3U] -= share;
+        if (!HasNeighbours(place, grid)) return AddBilinear(place, a, b);
+        Point& point = NewPoint(place, a, b);
+        const std::array<double, 4> across = CubicShares(a);
+        const std::array<double, 4> up = CubicShares(b);
+        for (std::size_t k = 0; k < 16; ++k) {
+            point.vertices[k] = grid.Vertex(place.i - 1 + static_cast<int>(k % 4),
+                                            place.j - 1 + static_cast<int>(k / 4));
+            point.shares[k] = static_cast<float>(across[k % 4] * up[k / 4]);
         }
-        for (std::size_t k = 0; k < 4; ++k) {
-            if (shares[k] == 0.0) continue;
-            point.vertices[point.count] =
-                grid.Vertex(place.i + static_cast<int>(k % 2), place.j + static_cast<int>(k / 2));
-            point.shares[point.count] = static_cast<float>(shares[k]);
-            ++point.count;
-        }
-        point.density = bundle_.FluxDensity(grid.u0 + (place.i + a) * grid.du,
-                                            grid.v0 + (place.j + b) * grid.dv);
+        point.count = 16;
         return static_cast<std::uint32_t>(points_.size() - 1);
     }
 
@@ -68,11 +65,60 @@ class LightPoints {
   private:
     struct Point {
         const MeshGrid* grid = nullptr;
-        std::array<std::size_t, 4> vertices{};
-        std::array<float, 4> shares{};
+        std::array<std::size_t, 16> vertices{};
+        std::array<float, 16> shares{};
         std::size_t count = 0;
         double density = 1.0;
     };
+
+    // The values of a cubic through -1, 0, 1 and 2 that count at t.
+    static std::array<double, 4> CubicShares(double t) {
+        return {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+                -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
+    }
+
+    static bool HasNeighbours(const CellPlace& place, const MeshGrid& grid) {
+        if (!grid.smooth || place.i < 1 || place.j < 1 || place.i + 2 >= grid.nu ||
+            place.j + 2 >= grid.nv) {
+            return false;
+        }
+        for (int j = -1; j <= 2; ++j) {
+            for (int i = -1; i <= 2; ++i) {
+                if (grid.alive[grid.Vertex(place.i + i, place.j + j)] == 0) return false;
+            }
+        }
+        return true;
+    }
+
+    Point& NewPoint(const CellPlace& place, double a, double b) {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        Point& point = points_.emplace_back();
+        point.grid = &grid;
+        point.density = bundle_.FluxDensity(grid.u0 + (place.i + a) * grid.du,
+                                            grid.v0 + (place.j + b) * grid.dv);
+        return point;
+    }
+
+    std::uint32_t AddBilinear(const CellPlace& place, double a, double b) {
+        const MeshGrid& grid = mesh_.grids[static_cast<std::size_t>(place.grid)];
+        Point& point = NewPoint(place, a, b);
+        std::array<double, 4> shares = {(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b};
+        if (surface_.UseOf(place) == CellUse::kTriangle) {
+            const auto dead = static_cast<std::size_t>(surface_.DeadCorner(place));
+            const double share = std::exchange(shares[dead], 0.0);
+            shares[dead ^ 1U] += share;
+            shares[dead ^ 2U] += share;
+            shares[dead ^ 3U] -= share;
+        }
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (shares[k] == 0.0) continue;
+            point.vertices[point.count] =
+                grid.Vertex(place.i + static_cast<int>(k % 2), place.j + static_cast<int>(k / 2));
+            point.shares[point.count] = static_cast<float>(shares[k]);
+            ++point.count;
+        }
+        return static_cast<std::uint32_t>(points_.size() - 1);
+    }
 
     void Gather(std::size_t first, std::size_t count) {
         const auto passages = static_cast<std::size_t>(mesh_.passage_count());
@@ -158,10 +204,12 @@ CellLight::CellLight(const GhostSurface& surface, const LightBundle& bundle,
       bundle_(bundle),
       path_(path, WeightsOf(mesh_, tables), RangeOfPassages(surface)) {}
 
-void CellLight::ChooseCuts(std::vector<GhostLight::Cell>& cells, double tolerance) const {
+std::vector<LightLift> CellLight::ChooseCuts(std::vector<GhostLight::Cell>& cells,
+                                             double tolerance) const {
     const double brightest = Brightest();
     const std::size_t last = path_.bands() - 1;
     const std::vector<std::size_t> bands = {0, last / 2, last};
+    std::vector<LightLift> lifts(cells.size());
     LightPoints samples(surface_, bundle_);
     VertexPoints vertices(mesh_);
     std::vector<std::array<std::uint32_t, kSamples>> at(cells.size());
@@ -178,7 +226,28 @@ void CellLight::ChooseCuts(std::vector<GhostLight::Cell>& cells, double toleranc
                 values[b][k] = static_cast<double>(light[at[c][k] * bands.size() + b]);
         }
         cells[c].light_cuts = CutsOf(values, brightest, tolerance, critical[c] != 0);
+        if (cells[c].light_cuts > 1 || surface_.UseOf(cells[c].place) == CellUse::kTriangle)
+            continue;
+        for (std::size_t b = 0; b < bands.size(); ++b)
+            lifts[c].factor[b] = LiftOf(values[b], brightest);
     }
+    return lifts;
+}
+
+// Light that bends like a parabola has between its corners a mean that is off by two thirds of what
+// the middle is off by.
+float CellLight::LiftOf(const std::array<double, kSamples>& light, double brightest) {
+    constexpr double kMost = 0.1;
+    const double mean = 0.25 * (light[1] + light[2] + light[3] + light[4]);
+    if (!(mean > kDim * kDim * brightest)) return 1.0F;
+    const double lift = 2.0 / 3.0 * (light[0] - mean) / mean;
+    return static_cast<float>(1.0 + std::clamp(lift, -kMost, kMost));
+}
+
+float LightLift::At(double share) const {
+    const auto t = static_cast<float>(std::clamp(2.0 * share, 0.0, 2.0));
+    return t < 1.0F ? factor[0] + t * (factor[1] - factor[0])
+                    : factor[1] + (t - 1.0F) * (factor[2] - factor[1]);
 }
 
 std::vector<float> CellLight::Light(const std::vector<GhostLight::Cell>& cells,
@@ -212,9 +281,9 @@ double CellLight::Brightest() const {
 
 std::uint32_t CellLight::AddCorner(const CellPlace& place, int i, int j, LightPoints& points,
                                    VertexPoints& vertices) const {
-    if (surface_.UseOf(place) == CellUse::kTriangle) return points.Add(place, i, j);
+    if (surface_.UseOf(place) == CellUse::kTriangle) return points.AddCorner(place, i, j);
     std::uint32_t& known = vertices.At(mesh_, place.grid, place.i + i, place.j + j);
-    if (known == VertexPoints::kNone) known = points.Add(place, i, j);
+    if (known == VertexPoints::kNone) known = points.AddCorner(place, i, j);
     return known;
 }
 
@@ -231,7 +300,6 @@ void CellLight::AddSamples(const CellPlace& place, bool critical, LightPoints& p
 // `light` is [band][sample].
 int CellLight::CutsOf(const std::array<std::array<double, kSamples>, 3>& light, double brightest,
                       double tolerance, bool critical) {
-    constexpr double kDim = 0.2;
     double miss = 0.0;
     double most = 0.0;
     for (const std::array<double, kSamples>& at : light) {

@@ -12,7 +12,7 @@ namespace {
 // Shares of the light, fitted: docs/accuracy.md.
 constexpr double kDispersion = 0.07;
 constexpr double kPosition = 0.2;
-constexpr double kTileEdge = 0.7;
+constexpr double kTileEdge = 0.4;
 constexpr double kDensity = 0.12;
 constexpr double kMeshEdge = 0.6;
 constexpr double kMeshDensity = 0.6;

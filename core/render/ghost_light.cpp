@@ -270,7 +270,7 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     const TransmissionTables::Path path = tables.PathOf(lens, mesh.sequence);
     const CellLight light(*surface, bundle, tables, path);
     std::size_t points = 0;
-    light.ChooseCuts(ghost.cells, colour.light_tolerance);
+    const std::vector<LightLift> lifts = light.ChooseCuts(ghost.cells, colour.light_tolerance);
     for (GhostLight::Cell& cell : ghost.cells) {
         if (cell.ring) cell.light_cuts = 1;
         cell.light_at = points;
@@ -286,23 +286,36 @@ GhostLight PrepareGhost(std::shared_ptr<const GhostSurface> surface, const Light
     const std::vector<float> passed = light.Light(ghost.cells, point_of);
     const std::size_t wavelengths = tables.wavelengths_nm().size();
     const std::size_t numbers = ghost.NumbersAPoint();
-    ghost.light.resize(points * numbers);
+    const std::size_t known = passed.size() / wavelengths;
+    std::vector<float> mixed;
     if (colour.spectral) {
         ghost.light_unit = colour.irradiance;
-        for (std::size_t k = 0; k < points; ++k) {
-            std::copy_n(&passed[point_of[k] * wavelengths], numbers, &ghost.light[k * numbers]);
+        mixed = passed;
+    } else {
+        const ColourMix mix(shares);
+        ghost.light_unit = mix.unit();
+        mixed.resize(known * numbers);
+        for (std::size_t k = 0; k < known; ++k)
+            mix.Add(&passed[k * wavelengths], &mixed[k * numbers]);
+    }
+    std::vector<double> places;  // of the bands among the tables' wavelengths
+    const double first = tables.wavelengths_nm().front();
+    const double range = tables.wavelengths_nm().back() - first;
+    for (const GhostLight::Band& band : ghost.bands)
+        places.push_back(range != 0.0 ? (band.wavelength_nm - first) / range : 0.0);
+    ghost.light.resize(points * numbers);
+    float* to = ghost.light.data();
+    const std::uint32_t* point = point_of.data();
+    const auto channels = static_cast<std::size_t>(ghost.channels);
+    std::vector<float> scale(numbers);
+    for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
+        for (std::size_t b = 0; b < places.size(); ++b)
+            std::fill_n(&scale[b * channels], channels, lifts[n].At(places[b]));
+        const int side = ghost.cells[n].light_cuts + 1;
+        for (int k = 0; k < side * side; ++k) {
+            const float* const from = &mixed[*point++ * numbers];
+            for (std::size_t c = 0; c < numbers; ++c) *to++ = scale[c] * from[c];
         }
-        return ghost;
-    }
-    const ColourMix mix(shares);
-    ghost.light_unit = mix.unit();
-    const std::size_t known = passed.size() / wavelengths;
-    std::vector<float> mixed(known * numbers, 0.0F);
-    for (std::size_t k = 0; k < known; ++k) {
-        mix.Add(&passed[k * wavelengths], &mixed[k * numbers]);
-    }
-    for (std::size_t k = 0; k < points; ++k) {
-        std::copy_n(&mixed[point_of[k] * numbers], numbers, &ghost.light[k * numbers]);
     }
     return ghost;
 }

@@ -29,11 +29,11 @@ std::vector<QualitySettings> MakeAnchors() {
     anchors[1].blur_tolerance = 0.03;
     anchors[1].most_blur_side = 2;
     anchors[1].least_blur_px = 2.0;
-    anchors[2] = {32, 8, 0.03, 0.01, 3, 21, 9.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
-    anchors[2].tiles = {0.04, 0.05};
+    anchors[2] = {16, 8, 0.05, 0.02, 3, 21, 3.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
+    anchors[2].tiles = {0.04, 0.1};
     anchors[2].tolerance = 0.02;
-    anchors[3] = {64, 8, 0.01, 0.004, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
-    anchors[3].tiles = {0.01, 0.02};
+    anchors[3] = {32, 8, 0.015, 0.006, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
+    anchors[3].tiles = {0.01, 0.04};
     anchors[3].tolerance = 0.005;
     anchors[3].blur_tolerance = 0.0025;
     anchors[3].most_blur_side = 8;
@@ -73,7 +73,7 @@ int Mix(int a, int b, double t) {
 
 }  // namespace
 
-constexpr double kFinerMesh = 0.7;  // from here on the mesh is the finer anchor's
+constexpr double kFinerMesh = 0.5;  // from here on the mesh is the finer anchor's
 
 QualitySettings SettingsFor(double tolerance) {
     const std::vector<QualitySettings>& anchors = Anchors();
@@ -85,7 +85,7 @@ QualitySettings SettingsFor(double tolerance) {
     if (tolerance == a.tolerance) return a;
     if (tolerance == b.tolerance) return b;
     const double t = std::log(tolerance / a.tolerance) / std::log(b.tolerance / a.tolerance);
-    // A mesh of 64 cells costs three times one of 32, and is needed next to the finer one only.
+    // A mesh of twice the cells costs three times as much.
     QualitySettings mixed = t < kFinerMesh ? a : b;
     mixed.tolerance = tolerance;
     mixed.culled_share = Mix(a.culled_share, b.culled_share, t);
