@@ -242,6 +242,28 @@ TEST_F(Cli, ExplainsAPictureInWords) {
     EXPECT_NE(err_.find("Estimated error "), std::string::npos) << err_;
     EXPECT_NE(err_.find("Not modelled: ghosts of four reflections"), std::string::npos) << err_;
     EXPECT_EQ(out_, "");
+    EXPECT_EQ(err_.find("artist"), std::string::npos) << err_;
+}
+
+TEST_F(Cli, SaysWhatAnArtistHasChanged) {
+    std::string request = kRequest;
+    request.insert(request.find('{') + 1,
+                   R"("artist": {"ghosts": [{"sequence": [9, 1], "gain": 2},)"
+                   R"( {"sequence": [6, 2], "mute": true}, {"sequence": [8, 4], "mute": true}]},)");
+    ASSERT_EQ(Flare({"render", Written("r.json", request), "-o", File("r.exr"), "--explain"}), 0)
+        << err_;
+    EXPECT_NE(err_.find("changed the gain or tint of 1 ghost(s) and muted 2"), std::string::npos)
+        << err_;
+}
+
+TEST_F(Cli, TradeoffNamesWhatItDoesNotKnow) {
+    EXPECT_EQ(
+        Flare({"tradeoff", "tronnier-double-gauss-50mm-f2", "-o", File("t"), "--knobs", "grid=7"}),
+        kBadInput);
+    EXPECT_NE(err_.find("grid=7 is no knob and no value of one"), std::string::npos) << err_;
+    EXPECT_EQ(Flare({"tradeoff", "tronnier-double-gauss-50mm-f2", "-o", File("t"), "--size", "9"}),
+              kBadInput);
+    EXPECT_NE(err_.find("--size 9"), std::string::npos) << err_;
 }
 
 }  // namespace
