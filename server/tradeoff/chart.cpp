@@ -90,10 +90,12 @@ void WriteCurve(const ChartCurve& curve, const Axis& x, const Axis& y, const cha
     for (const ChartPoint& point : curve.points) {
         places.emplace_back(x.Place(point.x), y.Place(point.y));
     }
-    svg.Empty("polyline", {{"points", SvgWriter::Points(places)},
-                           {"fill", "none"},
-                           {"stroke", ink},
-                           {"stroke-dasharray", curve.dashed ? "5 4" : "none"}});
+    if (curve.joined) {
+        svg.Empty("polyline", {{"points", SvgWriter::Points(places)},
+                               {"fill", "none"},
+                               {"stroke", ink},
+                               {"stroke-dasharray", curve.dashed ? "5 4" : "none"}});
+    }
     if (curve.dashed) return;
     for (std::size_t i = 0; i < places.size(); ++i) {
         svg.Empty("circle",

@@ -17,6 +17,7 @@ struct ChartCurve {
     std::string name;
     std::vector<ChartPoint> points;
     bool dashed = false;  // a line without marks and labels
+    bool joined = true;   // false: marks alone
 };
 
 struct Chart {

@@ -60,6 +60,30 @@ ChartCurve FrontOf(const std::vector<TrialSummary>& summaries) {
     return front;
 }
 
+// What the reports had estimated against what was measured, each picture a mark; on the dashed line
+// both are equal, below it the estimate was too large.
+Chart CalibrationOf(const std::vector<TradeoffRow>& rows, const std::vector<Trial>& trials) {
+    Chart chart{"Error measured over error estimated", "estimated rel_l1", "rel_l1", {}};
+    double least = 1.0, most = kLeastError;
+    for (const Trial& trial : trials) {
+        if (trial.knob != kBaseKnob) continue;
+        ChartCurve marks{"tolerance " + trial.value, {}, false, false};
+        for (const TradeoffRow& row : rows) {
+            const bool sound = row.rel_l1 > kLeastError && row.estimated > kLeastError &&
+                               std::isfinite(row.rel_l1);
+            if (row.knob != trial.knob || row.value != trial.value || !sound) continue;
+            marks.points.push_back({row.estimated, row.rel_l1, ""});
+            least = std::min({least, row.estimated, row.rel_l1});
+            most = std::max({most, row.estimated, row.rel_l1});
+        }
+        if (!marks.points.empty()) chart.curves.push_back(std::move(marks));
+    }
+    if (!chart.curves.empty()) {
+        chart.curves.push_back({"equal", {{least, least, ""}, {most, most, ""}}, true});
+    }
+    return chart;
+}
+
 std::string Lens(const TradeoffRow& row) {
     return row.lens + (row.coatings == "own" ? "" : " (" + row.coatings + ")");
 }
@@ -201,7 +225,8 @@ std::vector<NamedSvg> TradeoffCharts(const std::vector<TradeoffRow>& rows,
     std::vector<NamedSvg> charts{
         {"methods_warm.svg", ChartSvg(warm)},
         {"methods_cold.svg", ChartSvg(ChartOf(all, true, false, "Error over time, methods"))},
-        {"knobs.svg", ChartSvg(ChartOf(all, false, false, "One setting of final moved alone"))}};
+        {"knobs.svg", ChartSvg(ChartOf(all, false, false, "One setting of final moved alone"))},
+        {"estimate.svg", ChartSvg(CalibrationOf(rows, trials))}};
     int number = 0;
     for (const std::string& lens : LensesOf(rows)) {
         const std::vector<TrialSummary> summaries = Summarise(RowsOf(rows, lens), trials);

@@ -16,8 +16,8 @@ struct NamedSvg {
     std::string svg;
 };
 
-// Methods with meshes at hand and with nothing cached, single settings, and the methods lens by
-// lens.
+// Methods with meshes at hand and with nothing cached, single settings, the estimate against the
+// error, and the methods lens by lens.
 std::vector<NamedSvg> TradeoffCharts(const std::vector<TradeoffRow>& rows,
                                      const std::vector<Trial>& trials);
 

@@ -104,7 +104,7 @@ TEST(Summary, TakesGeometricMeansAndFindsTheFront) {
     EXPECT_FALSE(found[0].front) << "16 is better and faster";
     EXPECT_TRUE(found[1].front);
     EXPECT_FALSE(found[2].front) << "worse and slower than 16";
-    EXPECT_EQ(found[3].rel_l1, kLeastError);
+    EXPECT_NEAR(found[3].rel_l1, kLeastError, 1e-12);
     EXPECT_EQ(found[3].scenes, 1);
     EXPECT_TRUE(found[3].front);
 }
