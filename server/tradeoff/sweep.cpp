@@ -55,15 +55,15 @@ class Sweep {
         for (const TradeoffScene& scene : plan_.scenes) {
             references_.clear();
             for (const Trial& trial : plan_.trials) {
-                if (tools_.cancel.cancelled()) return std::move(outcome_);
                 TradeoffRow row = RowFor(scene, trial);
                 const auto known = known_.find(row.Key());
                 if (known != known_.end()) {
                     outcome_.rows.push_back(known->second);
                     continue;
                 }
+                if (tools_.cancel.cancelled()) continue;
                 std::optional<Error> error = Measure(scene, trial, row);
-                if (tools_.cancel.cancelled()) return std::move(outcome_);
+                if (tools_.cancel.cancelled()) continue;
                 if (!error) error = Keep(row);
                 if (error) return *error;
             }

@@ -37,7 +37,7 @@ struct SweepTools {
 
 struct SweepOutcome {
     std::vector<TradeoffRow> rows;  // of the plan, in its order: scene by scene
-    int wanted = 0;                 // fewer rows: it was cancelled
+    int wanted = 0;                 // fewer rows: it was cancelled; those that are there are here
     int measured = 0;               // of them just now
 };
 
