@@ -95,14 +95,14 @@ void FillBilinear(std::array<std::array<Real, 4>, 4>& jets) {
 }  // namespace
 
 GhostSurface::GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm,
-                           double iris_radius_mm)
-    : mesh_(std::move(mesh)), sensor_gap_mm_(sensor_gap_mm) {
+                           double iris_radius_mm, bool cubic)
+    : mesh_(std::move(mesh)), sensor_gap_mm_(sensor_gap_mm), cubic_(cubic) {
     for (std::size_t g = 0; g < mesh_->grids.size(); ++g)
         AddCells(static_cast<int>(g), iris_radius_mm);
     slopes_.resize(mesh_->grids.size());
     std::vector<std::vector<std::uint8_t>> corners = Corners();
     for (std::size_t g = 0; g < mesh_->grids.size(); ++g) {
-        if (mesh_->grids[g].smooth && !corners[g].empty())
+        if (Smooth(mesh_->grids[g]) && !corners[g].empty())
             AddSlopes(mesh_->grids[g], corners[g], slopes_[g]);
     }
 }
@@ -273,12 +273,12 @@ void GhostSurface::Jets(const CellPlace& cell, std::size_t node, std::size_t fie
         const std::size_t vertex = grid.Vertex(cell.i + static_cast<int>(corner % 2),
                                                cell.j + static_cast<int>(corner / 2));
         out[corner][0] = static_cast<float>(Value(grid.nodes[node], vertex, field));
-        if (!grid.smooth) continue;
+        if (!Smooth(grid)) continue;
         const std::array<float, 3>& slope =
             slopes_[static_cast<std::size_t>(cell.grid)][node][vertex * fields + field];
         std::copy(slope.begin(), slope.end(), out[corner].begin() + 1);
     }
-    if (grid.smooth) return;
+    if (Smooth(grid)) return;
     if (UseOf(cell) == CellUse::kTriangle)
         FillDeadCorner(static_cast<std::size_t>(DeadCorner(cell)), out);
     FillBilinear(out);
@@ -305,7 +305,7 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
             // Those of the sensor taken to where it stands.
             for (std::size_t f = from; f < std::min<std::size_t>(2, from + count); ++f)
                 jet[f - from] += w * sensor_gap_mm_ * static_cast<double>(at[fields + f]);
-            if (!grid.smooth) continue;
+            if (!Smooth(grid)) continue;
             const std::array<float, 3>* const slope =
                 &slopes_[static_cast<std::size_t>(cell.grid)][k][vertex * fields + from];
             for (std::size_t f = 0; f < count; ++f) {
@@ -320,7 +320,7 @@ void GhostSurface::Evaluate(const CellPlace& cell, const std::vector<double>& no
             for (std::size_t d = 0; d < 4; ++d)
                 jets[corner][d] = out.jets[(corner * 4 + d) * count + f];
         }
-        if (!grid.smooth) {
+        if (!Smooth(grid)) {
             if (dead >= 0) FillDeadCorner(static_cast<std::size_t>(dead), jets);
             FillBilinear(jets);
         }

@@ -37,9 +37,9 @@ class GhostSurface {
   public:
     // `sensor_gap_mm`: from the last vertex to the sensor. Cells whose light cannot pass an iris
     // within `iris_radius_mm` are left out (FarOutsideStop), which at a small opening is most of
-    // them.
+    // them. Without `cubic` every cell is bilinear.
     GhostSurface(std::shared_ptr<const GhostMesh> mesh, double sensor_gap_mm,
-                 double iris_radius_mm = 1e300);
+                 double iris_radius_mm = 1e300, bool cubic = true);
 
     const GhostMesh& mesh() const { return *mesh_; }
     double sensor_gap_mm() const { return sensor_gap_mm_; }
@@ -67,6 +67,7 @@ class GhostSurface {
     // [node][vertex * fields + field]: du, dv, duv per cell.
     using GridSlopes = std::vector<std::vector<std::array<float, 3>>>;
 
+    bool Smooth(const MeshGrid& grid) const { return cubic_ && grid.smooth; }
     void AddCells(int g, double iris_radius_mm);
     bool FarOutside(const MeshGrid& grid, std::span<const std::size_t> vertices,
                     double radius_mm) const;
@@ -82,6 +83,7 @@ class GhostSurface {
 
     std::shared_ptr<const GhostMesh> mesh_;
     double sensor_gap_mm_;
+    bool cubic_;
     std::vector<CellPlace> cells_;
     std::vector<GridSlopes> slopes_;  // of each smooth grid
 };

@@ -79,7 +79,7 @@ class Builder {
             for (int i = 0; i < cells; ++i) {
                 CellUse use = UseOf(main, i, j, roughness);
                 if (use == CellUse::kPatched) {
-                    if (patched.size() < kMostPatches) {
+                    if (spec_.patch_cells > 0 && patched.size() < kMostPatches) {
                         patched.push_back({i, j, PatchCells(main, i, j, roughness)});
                     } else {
                         use = LeftAsItIs(main, i, j);

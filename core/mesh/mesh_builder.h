@@ -22,8 +22,8 @@ struct MeshSpec {
     double inverse_distance = 0.0;       // 1/mm
     std::vector<double> wavelengths_nm;  // traced; other wavelengths are interpolated between them
     int cells = 32;                      // of the grid along each side of the pass region
-    int patch_cells = 8;                 // of the finer grid inside a cell that needs one:
-                                         // rays die in it, or cubic interpolation is too far off:
+    int patch_cells = 8;  // of the finer grid inside a cell that needs one (0: none):
+                          // rays die in it, or cubic interpolation is too far off:
     double position_tolerance_mm = 0.005;  // on the sensor
     double mask_tolerance = 0.002;         // at the stop and the rims, in semi-diameters
     double cosine_tolerance = 0.001;       // of a squared cosine near the critical angle

@@ -24,7 +24,13 @@ constexpr int kBlurRadius_px = 8;  // 4 sigma: 6e-5 of the weight lies outside
 
 using Floats = std::vector<float>;
 
+// What says how sure a picture is, not what is in it.
+bool IsLight(const ImagePlane& plane) {
+    return LayerOfChannel(plane.name) != "photon_error";
+}
+
 struct PlanePair {
+    std::string layer;
     const Floats* image;
     const Floats* reference;
 };
@@ -198,12 +204,14 @@ Result<std::vector<PlanePair>> PairPlanes(const FlareImage& image, const FlareIm
         return BadImage("the frames differ: " + Text(image.full) + " against " +
                         Text(reference.full));
     }
-    if (reference.planes.empty() || reference.data.pixels() == 0) {
+    if (std::none_of(reference.planes.begin(), reference.planes.end(), IsLight) ||
+        reference.data.pixels() == 0) {
         return BadImage("there is nothing to compare");
     }
     std::set<std::string> names;
     std::vector<PlanePair> pairs;
     for (const ImagePlane& plane : reference.planes) {
+        if (!IsLight(plane)) continue;
         const ImagePlane* other = FindPlane(image, plane.name);
         if (other == nullptr) return BadImage("the image lacks a channel", plane.name);
         if (!names.insert(plane.name).second) return BadImage("a channel stands twice", plane.name);
@@ -218,14 +226,17 @@ Result<std::vector<PlanePair>> PairPlanes(const FlareImage& image, const FlareIm
         }
         const std::vector<float>& samples = other->values;
         const std::vector<float>& truth = plane.values;
-        pairs.push_back({&samples, &truth});
+        pairs.push_back({LayerOfChannel(plane.name), &samples, &truth});
     }
+    std::size_t lights = 0;
     for (const ImagePlane& plane : image.planes) {
+        if (!IsLight(plane)) continue;
+        ++lights;
         if (FindPlane(reference, plane.name) == nullptr) {
             return BadImage("the reference lacks a channel", plane.name);
         }
     }
-    if (image.planes.size() != pairs.size()) return BadImage("a channel of the image stands twice");
+    if (lights != pairs.size()) return BadImage("a channel of the image stands twice");
     return pairs;
 }
 
@@ -243,7 +254,7 @@ Result<Comparison> Compare(const FlareImage& image, const FlareImage& reference)
     std::vector<std::string> names;
     std::map<std::string, std::vector<std::size_t>> members;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const std::string layer = LayerOfChannel(reference.planes[i].name);
+        const std::string& layer = pairs[i].layer;
         everything.push_back(i);
         if (!members.contains(layer)) names.push_back(layer);
         members[layer].push_back(i);

@@ -40,6 +40,7 @@ struct Comparison {
     std::vector<LayerComparison> layers;  // in the order of the reference's channels
 };
 
+// Layers that tell of the picture's own noise (photon_error) are passed over in both.
 // Fails with "bad_image" where the two do not have the same windows and channel names, or where a
 // value is not finite. The order of the channels does not matter;
 // layers are those of channel_name.h.

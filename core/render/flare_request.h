@@ -20,6 +20,8 @@
 
 namespace flare {
 
+struct QualitySettings;
+
 enum class Projection { kAuto, kRectilinear, kLens };
 enum class Units { kSceneLinear, kSensorIrradiance };
 enum class ColorMode { kLinRec709, kAcesCg, kAces2065, kSpectral };
@@ -63,8 +65,8 @@ struct ImageSpec {
 };
 
 // Which ghosts of two reflections are left out (ghost_culling.h): by the light lost, none, or by
-// the rules of older renderers, for comparison.
-enum class CullingRule { kAuto, kNone, kReport };
+// the rules of older renderers, for comparison: both of them, or one alone.
+enum class CullingRule { kAuto, kNone, kReport, kReportSize, kReportCrossings };
 
 // What physics is asked for.
 struct ModelSpec {
@@ -152,6 +154,9 @@ struct FlareRequest {
     std::vector<double> wavelengths_nm;  // for kSpectral
     Quality quality;
     std::optional<PhotonSpec> photon;  // of kReference alone
+    // To measure single settings: in place of the quality's, which must then be a plan. Not on the
+    // wire.
+    std::shared_ptr<const QualitySettings> settings;
 };
 
 // The space of a colour request's numbers.

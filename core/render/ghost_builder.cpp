@@ -112,7 +112,7 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const Bounc
     }
     const Iris& iris = plan.fringes ? plan.fringes->iris : scene_.iris;
     auto surface = std::make_shared<const GhostSurface>(found->mesh, lens.sensor_gap_mm(),
-                                                        iris.outer_radius());
+                                                        iris.outer_radius(), scene_.settings.cubic);
     if (surface->cells().empty()) return located;
 
     located.cells = CellsInWindow(*surface, bounded_nm_, iris, map,

@@ -59,11 +59,15 @@ std::vector<double> CullByLight(const std::vector<GhostSample>& samples, const C
 }
 
 std::vector<double> CullByOldRules(const std::vector<GhostSample>& samples,
-                                   const std::vector<int>& stop_crossings, double frame_px2) {
+                                   const std::vector<int>& stop_crossings, double frame_px2,
+                                   CullingRule rule) {
+    const bool by_size = rule != CullingRule::kReportCrossings;
+    const bool by_crossings = rule != CullingRule::kReportSize;
     std::vector<double> weights(samples.size(), 1.0);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const double box_px2 = samples[i].box_width_px * samples[i].box_height_px;
-        if (stop_crossings[i] >= 3 || box_px2 > 0.5 * frame_px2) weights[i] = 0.0;
+        if (by_crossings && stop_crossings[i] >= 3) weights[i] = 0.0;
+        if (by_size && box_px2 > 0.5 * frame_px2) weights[i] = 0.0;
     }
     return weights;
 }

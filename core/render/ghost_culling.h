@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "core/render/flare_request.h"
 #include "core/render/ghost_sample.h"
 
 namespace flare {
@@ -23,8 +24,10 @@ struct CullLimits {
 // A weight for each ghost: 0 left out, 1 drawn as it is.
 std::vector<double> CullByLight(const std::vector<GhostSample>& samples, const CullLimits& limits);
 
-// Drops a ghost that crosses the stop three times, and one whose box is larger than half the frame.
+// Drops a ghost that crosses the stop three times, and one whose box is larger than half the frame;
+// of the two rules those that `rule` names.
 std::vector<double> CullByOldRules(const std::vector<GhostSample>& samples,
-                                   const std::vector<int>& stop_crossings, double frame_px2);
+                                   const std::vector<int>& stop_crossings, double frame_px2,
+                                   CullingRule rule = CullingRule::kReport);
 
 }  // namespace flare

@@ -152,13 +152,8 @@ std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& seq
         of_two.push_back(samples[n]);
     }
     std::vector<double> weights;
-    if (request_.model.culling == CullingRule::kReport) {
-        std::vector<int> crossings;
-        for (std::size_t n = 0; n < of_two.size(); ++n) {
-            crossings.push_back(WriteOut(*request_.lens, sequences[n], kLineD).stop_crossings);
-        }
-        weights = CullByOldRules(of_two, crossings, frame_px2);
-    } else if (request_.model.culling == CullingRule::kAuto) {
+    const CullingRule rule = request_.model.culling;
+    if (rule == CullingRule::kAuto) {
         const Vec2d pitch = PixelPitch(request_);
         double light = 0.0;
         for (const GhostSample& sample : of_two) light += sample.frame_light;
@@ -172,6 +167,12 @@ std::vector<double> GhostPlanner::Weights(const std::vector<BounceSequence>& seq
             const bool beyond = of_two[n].frame_light <= 0.0;
             if (beyond && image.overscan != std::array<int, 4>{}) weights[n] = 1.0;
         }
+    } else if (rule != CullingRule::kNone) {
+        std::vector<int> crossings;
+        for (std::size_t n = 0; n < of_two.size(); ++n) {
+            crossings.push_back(WriteOut(*request_.lens, sequences[n], kLineD).stop_crossings);
+        }
+        weights = CullByOldRules(of_two, crossings, frame_px2, rule);
     }
     weights.resize(samples.size(), 1.0);
     // A ghost that an artist has a hand on stays, however faint the lens makes it.

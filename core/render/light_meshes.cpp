@@ -37,7 +37,7 @@ void SetQuality(const QualitySettings& settings, MeshSpec& spec) {
 
 MeshSpec MeshSpecFor(const FlareRequest& request, const BounceSequence& sequence,
                      const PlacedLight& light) {
-    const QualitySettings settings = SettingsOf(request.quality);
+    const QualitySettings settings = SettingsOf(request);
     MeshSpec spec = MeshSpecOf(sequence, light);
     SetQuality(settings, spec);
     spec.wavelengths_nm = TracedNodes(request, settings);

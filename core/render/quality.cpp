@@ -121,6 +121,10 @@ QualitySettings SettingsOf(const Quality& quality) {
     return {};
 }
 
+QualitySettings SettingsOf(const FlareRequest& request) {
+    return request.settings ? *request.settings : SettingsOf(request.quality);
+}
+
 double RelativeCost(double tolerance) {
     struct Row {
         double tolerance, cost;

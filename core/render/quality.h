@@ -38,10 +38,13 @@ struct QualitySettings {
     double blur_tolerance = 0.01;
     int most_blur_side = 4;
     double least_blur_px = 2.0;
+    bool cubic = true;  // between a mesh's vertices; false: bilinear
 };
 
 // Of a plan; a quality that is to be looked for gets those of its preset.
 QualitySettings SettingsOf(const Quality& quality);
+// The request's own, or its quality's.
+QualitySettings SettingsOf(const FlareRequest& request);
 QualitySettings SettingsFor(double tolerance);
 
 // What a picture costs with its meshes at hand, against the coarsest tolerance: measured on four

@@ -47,7 +47,8 @@ class Search {
     Search(const FlareRequest& request, const RenderContext& context, const PlanRenderer& render)
         : request_(request), context_(context), render_(render), started_ms_(context.now_ms()) {}
 
-    Result<Rendering> ToError(double max_error) {
+    Result<Rendering> ToError(double asked) {
+        const double max_error = kErrorMargin * asked;
         double tolerance = Rounded(std::min(kMaxTolerance, max_error));
         Survey(max_error, tolerance);
         for (int attempt = 0;; ++attempt) {

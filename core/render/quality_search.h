@@ -4,8 +4,9 @@
 //
 // max_error: the scene is surveyed first: every ghost is sampled and located on its mesh, which
 // rendering needs anyway, and from that the estimate (error_estimate.h) at any tolerance follows
-// without drawing. The coarsest that keeps the error is drawn; should its own estimate be larger
-// after all, a finer one is. Depends on the request alone, so equal requests give equal bytes.
+// without drawing. The coarsest whose estimate is kErrorMargin of the error is drawn; should its
+// own estimate be larger after all, a finer one is. Depends on the request alone, so equal requests
+// give equal bytes.
 //
 // time_budget_ms: the coarsest plan is drawn first, so that there is a picture; how long it took
 // says what finer ones may take, and the finest that should fit is drawn next, then once more from
@@ -18,6 +19,10 @@
 #include "core/render/renderer.h"
 
 namespace flare {
+
+// Of max_error, what the estimate may be: measured errors were up to 1.1 times their estimates,
+// most of them half (docs/accuracy.md).
+inline constexpr double kErrorMargin = 0.85;
 
 // Draws a request whose quality is a plan.
 using PlanRenderer = std::function<Result<Rendering>(const FlareRequest&, const RenderContext&)>;

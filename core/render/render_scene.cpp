@@ -33,7 +33,7 @@ std::string SpectralName(double wavelength_nm) {
 RenderScene::RenderScene(const FlareRequest& asked)
     : request(asked),
       lens(*asked.lens),
-      settings(SettingsOf(asked.quality)),
+      settings(SettingsOf(asked)),
       stop(StopForFNumber(lens, asked.f_number.value_or(lens.f_number()))),
       iris(asked.iris, stop.semi_diameter_mm,
            lens.surfaces()[static_cast<std::size_t>(lens.stop_index())].semi_diameter_mm),

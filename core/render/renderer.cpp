@@ -4,6 +4,7 @@
 // together.
 #include "core/render/renderer.h"
 
+#include "core/base/check.h"
 #include "core/base/units.h"
 #include "core/render/bokeh_layer.h"
 #include "core/render/ghost_layer.h"
@@ -169,6 +170,7 @@ Result<Rendering> Render(const FlareRequest& request, const RenderContext& conte
     const auto draw = [](const FlareRequest& plan, const RenderContext& drawing) {
         return Job(plan, drawing).Run();
     };
+    FLARE_CHECK(!request.settings || request.quality.IsPlan());
     if (request.quality.IsPlan()) return draw(request, context);
     return RenderSearched(request, context, draw);
 }

@@ -23,6 +23,7 @@ int Run(int argc, const char* const* argv) {
     AddTraceCommand(app, exit_code);
     AddEncoderCommands(app, exit_code);
     AddCompareCommand(app, exit_code);
+    AddTradeoffCommand(app, exit_code);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& help) {

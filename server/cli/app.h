@@ -27,5 +27,6 @@ void AddGhostsCommand(CLI::App& app, int& exit_code);
 void AddTraceCommand(CLI::App& app, int& exit_code);
 void AddEncoderCommands(CLI::App& app, int& exit_code);
 void AddCompareCommand(CLI::App& app, int& exit_code);
+void AddTradeoffCommand(CLI::App& app, int& exit_code);
 
 }  // namespace flare::cli

@@ -59,6 +59,7 @@ class Explanation {
         Plan();
         Error();
         Ghosts();
+        Artist();
         Layers();
         LeftOut();
         return std::move(out_);
@@ -107,6 +108,22 @@ class Explanation {
                     " of their light on the frame is left out";
         }
         Line(text + ".");
+    }
+
+    // What is no longer what the lens does.
+    void Artist() {
+        const auto artist = root_.Find("artist");
+        if (!artist || artist->kind() != JsonKind::kArray || artist->child_count() == 0) return;
+        int muted = 0, changed = 0;
+        for (auto ghost = artist->FirstChild(); ghost; ghost = ghost->NextSibling()) {
+            const auto mute = Member(ghost, "mute");
+            const bool mutes = mute && mute->kind() == JsonKind::kBoolean && mute->boolean();
+            ++(mutes ? muted : changed);
+        }
+        Line(
+            "An artist has changed the gain or tint of " + std::to_string(changed) +
+            " ghost(s) and muted " + std::to_string(muted) +
+            ": the picture is not what the lens does; error and light stated here are the lens's.");
     }
 
     void Layers() {

@@ -33,4 +33,19 @@ void Progress::Watch() {
     if (seconds > 0) std::fputs("\r\033[K", stderr);
 }
 
+ProgressBar::ProgressBar() : watched_(isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::~ProgressBar() {
+    if (watched_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::Show(int done, int all, const std::string& what) const {
+    constexpr int kMarks = 24;
+    if (!watched_ || all <= 0) return;
+    const auto marks = static_cast<std::size_t>(static_cast<long long>(kMarks) * done / all);
+    const std::string bar = std::string(marks, '#') + std::string(kMarks - marks, '.');
+    std::fprintf(stderr, "\r\033[K[%s] %d/%d %s", bar.c_str(), done, all, what.c_str());
+    std::fflush(stderr);
+}
+
 }  // namespace flare::cli

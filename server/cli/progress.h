@@ -28,4 +28,19 @@ class Progress {
     std::thread watcher_;
 };
 
+// A bar for work in counted steps, if a person watches. The line is gone when the object is.
+class ProgressBar {
+  public:
+    ProgressBar();
+    ~ProgressBar();
+    ProgressBar(const ProgressBar&) = delete;
+    ProgressBar& operator=(const ProgressBar&) = delete;
+
+    // `done` of `all`, and what is being done now.
+    void Show(int done, int all, const std::string& what) const;
+
+  private:
+    bool watched_;
+};
+
 }  // namespace flare::cli

@@ -111,6 +111,8 @@ std::string_view CullingName(CullingRule rule) {
         case CullingRule::kNone:
             return "none";
         case CullingRule::kReport:
+        case CullingRule::kReportSize:
+        case CullingRule::kReportCrossings:
             return "report";
     }
     return "auto";

@@ -4,9 +4,13 @@
 each asked for by an error, by a time and at `reference`; the pictures are compared.
 
     tests/bench/plan_check.py [--requests N] [--seed S] [--width W] [--height H] [-o FILE.csv]
+    tests/bench/plan_check.py --errors-only --lens NAME ... [-o FILE.csv]
+    tests/bench/plan_check.py --summarise FILE.csv ...
 
 Starts build/release/bin/flared (or $FLARED) itself. A reference picture takes seconds to minutes, so
-300 requests take hours. Prints a Markdown table and writes one CSV row a request.
+300 requests take hours; Ctrl-C ends it early. Prints a Markdown table and writes one CSV row a
+request. --errors-only asks for no times, which a busy machine does not keep; --summarise makes one
+table of the files of several runs.
 """
 import argparse
 import csv
@@ -76,24 +80,27 @@ def rel_l1(path, reference):
     return metrics.get("all", metrics)["rel_l1"]
 
 
-def check(daemon, request, draw, folder):
+def check(daemon, request, draw, folder, with_time):
     error = round(10.0 ** draw.uniform(math.log10(0.005), -1.0), 4)
+    shorten = 10.0 ** draw.uniform(-0.5, 0.7)
     reference, by_error, by_time = (os.path.join(folder, f"{n}.exr") for n in ("r", "e", "t"))
     if ask(daemon, request, {"preset": "reference"}, reference) is None:
         return None
+    of_error = ask(daemon, request, {"max_error": error}, by_error)
+    row = {"lens": request["lens"], "f_number": request["f_number"], "max_error": error,
+           "error": rel_l1(by_error, reference), "estimated": of_error["estimated_error"]["rel_l1"],
+           "tolerance": of_error["plan"]["tolerance"],
+           "pictures": of_error["work"]["search"]["pictures"],
+           "took_ms": of_error["work"]["search"]["total_ms"]}
+    if not with_time:
+        return row
     preview = ask(daemon, request, {"preset": "preview"}, by_time)
     preview = ask(daemon, request, {"preset": "preview"}, by_time)  # warm
     preview_ms = sum(v for k, v in preview["work"]["time_ms"].items() if k != "encode")
-    budget = round(preview_ms * 10.0 ** draw.uniform(-0.5, 0.7), 2)
-    of_error = ask(daemon, request, {"max_error": error}, by_error)
+    budget = round(preview_ms * shorten, 2)
     ask(daemon, request, {"time_budget_ms": budget}, by_time)  # finds its meshes
     of_time = ask(daemon, request, {"time_budget_ms": budget}, by_time)
-    took = of_error["work"]["search"]["total_ms"]
-    return {"lens": request["lens"], "f_number": request["f_number"], "max_error": error,
-            "error": rel_l1(by_error, reference), "estimated": of_error["estimated_error"]["rel_l1"],
-            "tolerance": of_error["plan"]["tolerance"],
-            "pictures": of_error["work"]["search"]["pictures"], "took_ms": took,
-            "preview_ms": preview_ms, "budget_ms": budget,
+    return {**row, "preview_ms": preview_ms, "budget_ms": budget,
             "used_ms": of_time["work"]["search"]["total_ms"],
             "budget_tolerance": of_time["plan"]["tolerance"],
             "budget_error": rel_l1(by_time, reference),
@@ -112,34 +119,58 @@ def main():
     parser.add_argument("--height", type=int, default=270)
     parser.add_argument("--lens", action="append", help="one of these instead of any")
     parser.add_argument("-o", "--output", default="plan_check.csv")
+    parser.add_argument("--errors-only", action="store_true", help="no requests by time")
+    parser.add_argument("--summarise", nargs="+", metavar="CSV", help="of earlier runs; asks nothing")
     options = parser.parse_args()
+    if options.summarise:
+        summarise([row for path in options.summarise for row in read_rows(path)])
+        return
     draw = random.Random(options.seed)
     library = [l for l in lenses() if not options.lens or l[0] in options.lens]
     rows = []
     with tempfile.TemporaryDirectory() as folder, Daemon(tcp=False) as daemon, \
             open(options.output, "w", newline="") as out:
         table = None
-        for n in range(options.requests):
-            request = random_request(draw, draw.choice(library), options.width, options.height)
-            row = check(daemon, request, draw, folder)
-            print(f"\r{n + 1} of {options.requests}", end="", file=sys.stderr)
-            if row is None:
-                continue
-            table = table or csv.DictWriter(out, row.keys())
-            if not rows:
-                table.writeheader()
-            table.writerow(row)
-            out.flush()
-            rows.append(row)
+        try:
+            for n in range(options.requests):
+                request = random_request(draw, draw.choice(library), options.width, options.height)
+                row = check(daemon, request, draw, folder, not options.errors_only)
+                print(f"\r{n + 1} of {options.requests}", end="", file=sys.stderr)
+                if row is None:
+                    continue
+                table = table or csv.DictWriter(out, row.keys())
+                if not rows:
+                    table.writeheader()
+                table.writerow(row)
+                out.flush()
+                rows.append(row)
+        except KeyboardInterrupt:
+            pass
     print(file=sys.stderr)
+    summarise(rows)
+
+
+def read_rows(path):
+    """As they were written: numbers as numbers."""
+    with open(path, newline="") as file:
+        return [{key: value if key == "lens" else float(value) for key, value in row.items()}
+                for row in csv.DictReader(file)]
+
+
+def summarise(rows):
     lit = [row for row in rows if math.isfinite(row["error"])]
+    if not lit:
+        print("no request had light in its picture")
+        return
     print(f"| {len(lit)} requests | |\n|---|---|")
     print(f"| error within max_error | {share(lit, lambda r: r['error'] <= r['max_error']):.1%} |")
     print(f"| within twice that | {share(lit, lambda r: r['error'] <= 2 * r['max_error']):.1%} |")
     print(f"| estimate within max_error | "
           f"{share(lit, lambda r: r['estimated'] <= r['max_error']):.1%} |")
-    print(f"| time within 1.15 budgets | "
-          f"{share(rows, lambda r: r['used_ms'] <= 1.15 * r['budget_ms']):.1%} |")
+    timed = [row for row in rows if "budget_ms" in row]
+    if timed:
+        print(f"| time within 1.15 budgets | "
+              f"{share(timed, lambda r: r['used_ms'] <= 1.15 * r['budget_ms']):.1%} |")
 
 
 if __name__ == "__main__":

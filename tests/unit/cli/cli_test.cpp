@@ -242,6 +242,31 @@ TEST_F(Cli, ExplainsAPictureInWords) {
     EXPECT_NE(err_.find("Estimated error "), std::string::npos) << err_;
     EXPECT_NE(err_.find("Not modelled: ghosts of four reflections"), std::string::npos) << err_;
     EXPECT_EQ(out_, "");
+    EXPECT_EQ(err_.find("artist"), std::string::npos) << err_;
+}
+
+TEST_F(Cli, SaysWhatAnArtistHasChanged) {
+    for (const auto& [ghost, words] :
+         {std::pair{R"("gain": 2)", "changed the gain or tint of 1 ghost(s) and muted 0"},
+          {R"("mute": true)", "changed the gain or tint of 0 ghost(s) and muted 1"}}) {
+        std::string request = kRequest;
+        request.insert(
+            1, R"("artist": {"ghosts": [{"sequence": [1, 0], )" + std::string(ghost) + "}]}, ");
+        ASSERT_EQ(Flare({"render", Written("r.json", request), "-o", File("r.exr"), "--explain"}),
+                  0)
+            << err_;
+        EXPECT_NE(err_.find(words), std::string::npos) << err_;
+    }
+}
+
+TEST_F(Cli, TradeoffNamesWhatItDoesNotKnow) {
+    EXPECT_EQ(
+        Flare({"tradeoff", "tronnier-double-gauss-50mm-f2", "-o", File("t"), "--knobs", "grid=7"}),
+        kBadInput);
+    EXPECT_NE(err_.find("grid=7 is no knob and no value of one"), std::string::npos) << err_;
+    EXPECT_EQ(Flare({"tradeoff", "tronnier-double-gauss-50mm-f2", "-o", File("t"), "--size", "9"}),
+              kBadInput);
+    EXPECT_NE(err_.find("--size 9"), std::string::npos) << err_;
 }
 
 }  // namespace

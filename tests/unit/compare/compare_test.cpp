@@ -172,6 +172,25 @@ TEST(Compare, LayersAreMeasuredApart) {
     EXPECT_DOUBLE_EQ(comparison->all.rel_l1, 1.0 / 8.0);
 }
 
+// A picture by photons says how noisy it is; one by meshes has nothing to hold that against.
+TEST(Compare, PassesOverTheNoiseOfPhotons) {
+    const FlareImage reference = Flat(8, 8, {{"R", 1.0f}, {"ghosts.R", 1.0f}});
+    const FlareImage photons =
+        Flat(8, 8, {{"photon_error.R", 9.0f}, {"R", 1.0f}, {"ghosts.R", 1.5f}});
+    for (const FlareImage* truth : {&reference, &photons}) {
+        const Result<Comparison> comparison =
+            Compare(truth == &reference ? photons : reference, *truth);
+        ASSERT_TRUE(comparison.ok());
+        ASSERT_EQ(comparison->layers.size(), 2u);
+        EXPECT_EQ(comparison->layers[0].metrics.rel_l1, 0.0);
+        EXPECT_EQ(comparison->layers[1].layer, "ghosts");
+        EXPECT_GT(comparison->layers[1].metrics.rel_l1, 0.3);
+    }
+    EXPECT_FALSE(
+        Compare(Flat(8, 8, {{"photon_error.R", 1.0f}}), Flat(8, 8, {{"photon_error.R", 1.0f}}))
+            .ok());
+}
+
 TEST(Compare, RefusesWhatCannotBeCompared) {
     const FlareImage reference = Flat(8, 8, {{"R", 1.0f}});
     FlareImage shifted = reference, framed = reference, broken = reference;

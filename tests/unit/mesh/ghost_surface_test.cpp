@@ -91,6 +91,37 @@ TEST(GhostSurface, LiesWithinTheToleranceOfExactRays) {
     }
 }
 
+// What a sweep of settings asks for: one grid, and straight lines between its vertices.
+TEST(GhostSurface, WithoutPatchesAndSlopesIsThePlainGrid) {
+    const auto lens = testing::BuildLens(testing::SeedLens());
+    MeshSpec spec = SpecOf({9, 1}, 8.0);
+    spec.cells = 12;
+    EXPECT_GT(BuildMesh(*lens, spec).grids.size(), 1U);
+    spec.patch_cells = 0;
+    const auto mesh = std::make_shared<const GhostMesh>(BuildMesh(*lens, spec));
+    ASSERT_EQ(mesh->grids.size(), 1U);
+    const GhostSurface straight(mesh, lens->sensor_gap_mm(), 1e300, false);
+    const GhostSurface smooth(mesh, lens->sensor_gap_mm());
+    ASSERT_FALSE(straight.cells().empty());
+    const MeshGrid& grid = mesh->grids.front();
+    const auto corner_x = [&](int i, int j) {
+        const std::size_t at = grid.Vertex(i, j) * static_cast<std::size_t>(mesh->stored_count());
+        return mesh->SensorPlace(&grid.nodes[0].fields[at], lens->sensor_gap_mm()).x;
+    };
+    CellSurface flat, curved;
+    double bend = 0.0;
+    for (const CellPlace& cell : straight.cells()) {
+        const int i = cell.i, j = cell.j;
+        const double expected = 0.7 * (0.4 * corner_x(i, j) + 0.6 * corner_x(i, j + 1)) +
+                                0.3 * (0.4 * corner_x(i + 1, j) + 0.6 * corner_x(i + 1, j + 1));
+        straight.Evaluate(cell, {1.0}, 0, mesh->field_count(), flat);
+        smooth.Evaluate(cell, {1.0}, 0, mesh->field_count(), curved);
+        EXPECT_NEAR(ValueOf(flat.nets[0], 0.3, 0.6), expected, 1e-5);
+        bend = std::max(bend, std::abs(ValueOf(curved.nets[0], 0.3, 0.6) - expected));
+    }
+    EXPECT_GT(bend, 1e-3);
+}
+
 TEST(GhostSurface, InterpolatesBetweenTracedWavelengths) {
     const auto lens = testing::BuildLens(testing::SeedLens());
     MeshSpec spec = SpecOf({10, 8}, 5.0);

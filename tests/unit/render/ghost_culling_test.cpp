@@ -115,6 +115,10 @@ TEST(CullByOldRules, GoByCrossingsAndSize) {
     samples[1].box_width_px = 80.0;
     samples[1].box_height_px = 70.0;
     EXPECT_EQ(CullByOldRules(samples, {3, 1, 1}, 1e4), (std::vector<double>{0.0, 0.0, 1.0}));
+    EXPECT_EQ(CullByOldRules(samples, {3, 1, 1}, 1e4, CullingRule::kReportSize),
+              (std::vector<double>{1.0, 0.0, 1.0}));
+    EXPECT_EQ(CullByOldRules(samples, {3, 1, 1}, 1e4, CullingRule::kReportCrossings),
+              (std::vector<double>{0.0, 1.0, 1.0}));
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ TEST(MaxError, DrawsFinerUntilTheEstimateKeepsIt) {
     bench.error = [](double tolerance) { return 1.5 * tolerance; };
     const Result<Rendering> found = bench.Search(request);
     ASSERT_TRUE(found);
-    EXPECT_LE(found->report.facts.estimated_error.rel_l1, 0.02);
+    EXPECT_LE(found->report.facts.estimated_error.rel_l1, kErrorMargin * 0.02);
     EXPECT_GT(*found->quality.tolerance, 0.5 * 0.02 / 1.5);
     EXPECT_GE(bench.drawn.size(), 1U);
 }
