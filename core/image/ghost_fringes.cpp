@@ -5,27 +5,6 @@
 #include <cmath>
 
 namespace flare {
-namespace {
-
-constexpr double kStep = 1e-3;                // of the stop, for the scale's change
-constexpr double kLeast = 0.25, kMost = 4.0;  // of the scale at a place over that at the edge
-
-}  // namespace
-
-GhostFringes::Scale GhostFringes::ScaleAt(std::size_t crossing, Vec2d stop_mm, Vec2d normal,
-                                          double distance_mm) const {
-    const Crossing& c = crossings[crossing];
-    // A disc's pattern is one whole: it has its middle in the middle at one scale alone.
-    if (c.disc_fresnel_number > 0.0)
-        return {0.0, std::sqrt(2.0 / (wavelength_mm * c.usual_mm)), 1.0};
-    const double here = PerMm(crossing, stop_mm, normal, distance_mm);
-    const double at_edge = PerMm(crossing, stop_mm - normal * distance_mm, normal, 0.0);
-    const double step = kStep * c.unit_mm;
-    const double next = PerMm(crossing, stop_mm + normal * step, normal, distance_mm + step);
-    const double slope = (next * (distance_mm + step) - here * distance_mm) / step;
-    const double per_mm = std::clamp(slope, kLeast * at_edge, kMost * at_edge);
-    return {(here - per_mm) * distance_mm, per_mm, per_mm / at_edge};
-}
 
 double GhostFringes::PerMm(std::size_t crossing, Vec2d stop_mm, Vec2d normal,
                            double distance_mm) const {

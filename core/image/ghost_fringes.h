@@ -51,18 +51,8 @@ struct GhostFringes {
         return tables.data() + (crossing * static_cast<std::size_t>(bands) + band) *
                                    static_cast<std::size_t>(entries);
     }
-    // Near a place, d mm outside an edge: t = start_t + per_mm d, inside negative; and what the
-    // profile's departure from the sharp edge is to be multiplied by. Where the scale changes with
-    // the distance, that is by as much as places in t are farther apart than at the edge: so the
-    // departure, whose integral over t is 0, holds no light over d either.
-    struct Scale {
-        double start_t = 0.0, per_mm = 0.0, gain = 1.0;
-    };
-    // At a place in the stop which is `distance_mm` outside the edge, `normal` pointing out.
-    Scale ScaleAt(std::size_t crossing, Vec2d stop_mm, Vec2d normal, double distance_mm) const;
-
-  private:
-    // Of t, for a mm from the edge to that place.
+    // Of t, for a mm of distance from an edge: at a place in the stop which is `distance_mm`
+    // outside the edge (inside: negative), `normal` pointing out.
     double PerMm(std::size_t crossing, Vec2d stop_mm, Vec2d normal, double distance_mm) const;
 };
 

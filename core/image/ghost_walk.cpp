@@ -55,12 +55,11 @@ struct GhostWalk::Work {
     // Edges with fringes near the piece at hand.
     struct PieceEdge {
         CornerValues distance{};
-        double start = 0.0, per_mm = 0.0, half = 0.0;  // steps of its table
-        double gain = 1.0;
+        double per_mm = 0.0, half = 0.0;  // steps of its table
         std::size_t crossing = 0;
     };
     std::vector<PieceEdge> piece_edges;
-    std::vector<GhostFringes::Scale> piece_scales;  // [crossing][edge], 0 a mm: not known yet
+    std::vector<double> piece_scales;  // [crossing][edge], 0: not known yet
 
     Work(const GhostLight& g, const Iris& i, const PictureMap& m, const WalkTolerance& t)
         : ghost(g), iris(g.IrisOr(i)), map(m), tolerance(t), mesh(g.surface->mesh()) {
@@ -97,7 +96,7 @@ struct GhostWalk::Work {
             for (Sheet& sheet : sheets) std::swap(sheet.row_below, sheet.row_above);
             EvaluateRows(j + 1);
             for (int i = 0; i < cuts_u; ++i) {
-                std::fill(piece_scales.begin(), piece_scales.end(), GhostFringes::Scale());
+                std::fill(piece_scales.begin(), piece_scales.end(), 0.0);
                 for (std::size_t b = 0; b < sheets.size(); ++b) {
                     if (sheets[b].drawn) Piece(b, i, j, window, sink);
                 }
@@ -431,25 +430,21 @@ struct GhostWalk::Work {
                                                        : Vec2d(1.0, 0.0);
             PieceEdge out;
             // Nearly the same for all wavelengths of a piece.
-            GhostFringes::Scale& scale =
-                piece_scales[c * static_cast<std::size_t>(iris.edge_count()) +
-                             static_cast<std::size_t>(e)];
-            if (scale.per_mm == 0.0)
-                scale = fringes.ScaleAt(c, middle, normal, iris.EdgeDistance(e, middle));
+            double& per_mm = piece_scales[c * static_cast<std::size_t>(iris.edge_count()) +
+                                          static_cast<std::size_t>(e)];
+            if (per_mm == 0.0)
+                per_mm = fringes.PerMm(c, middle, normal, iris.EdgeDistance(e, middle));
             double least = 1e300;
             double most = -1e300;
             for (std::size_t k = 0; k < 4; ++k) {
                 out.distance[k] = iris.EdgeDistance(e, stop[k]);
-                const double t = scale.start_t + out.distance[k] * scale.per_mm;
-                least = std::min(least, t);
-                most = std::max(most, t);
+                least = std::min(least, out.distance[k] * per_mm);
+                most = std::max(most, out.distance[k] * per_mm);
             }
             if (least > fringes.dark_t) return false;
             if (most < -fringes.lit_t) continue;
             const double extent = std::abs(normal.dot(stop_a)) + std::abs(normal.dot(stop_b));
-            out.per_mm = scale.per_mm / fringes.step_t;
-            out.start = (fringes.dark_t - scale.start_t) / fringes.step_t;
-            out.gain = scale.gain;
+            out.per_mm = per_mm / fringes.step_t;
             out.half = 0.5 * extent * out.per_mm;
             out.crossing = c;
             piece_edges.push_back(out);
@@ -467,11 +462,9 @@ struct GhostWalk::Work {
             const double at =
                 (1.0 - b) * ((1.0 - a) * d[0] + a * d[1]) + b * ((1.0 - a) * d[3] + a * d[2]);
             const GhostFringes& fringes = *ghost.fringes;
-            const double half = std::max(edge.half, 0.25);
-            const double mean = TableMean(fringes.Table(edge.crossing, band), fringes.entries,
-                                          edge.start - at * edge.per_mm, half);
-            const double sharp = std::clamp(0.5 - 0.5 * at * edge.per_mm / half, 0.0, 1.0);
-            product *= sharp + edge.gain * (mean - sharp);
+            const double place = fringes.dark_t / fringes.step_t - at * edge.per_mm;
+            product *=
+                TableMean(fringes.Table(edge.crossing, band), fringes.entries, place, edge.half);
         }
         return product;
     }

@@ -118,17 +118,14 @@ bool TileEdges::AddFringe(const Iris::Edge& edge, std::size_t c, const TileLevel
     }
     const double distance = edge.radius > 0.0 ? (middle - edge.centre).length() - edge.radius
                                               : middle.dot(edge.normal) - edge.offset;
-    const GhostFringes::Scale scale = fringes.ScaleAt(crossing, middle, normal, distance);
+    const double per_mm = fringes.PerMm(crossing, middle, normal, distance);
     const double pixel_mm = std::abs(normal.dot(right)) + std::abs(normal.dot(down));
     const auto room = static_cast<float>(pixel_mm) + 0.1F * (most - least);
-    const auto t = [&](float d) { return scale.start_t + static_cast<double>(d) * scale.per_mm; };
-    if (t(least - room) > fringes.dark_t) return false;
-    if (t(most + room) < -fringes.lit_t) return true;
+    if (static_cast<double>(least - room) * per_mm > fringes.dark_t) return false;
+    if (static_cast<double>(most + room) * per_mm < -fringes.lit_t) return true;
     for (FringeEdge& fringe : out) {
-        fringe.per_mm = static_cast<float>(scale.per_mm / fringes.step_t);
-        fringe.half = static_cast<float>(0.5 * pixel_mm * scale.per_mm / fringes.step_t);
-        fringe.start = static_cast<float>((fringes.dark_t - scale.start_t) / fringes.step_t);
-        fringe.gain = static_cast<float>(scale.gain);
+        fringe.per_mm = static_cast<float>(per_mm / fringes.step_t);
+        fringe.half = static_cast<float>(0.5 * pixel_mm * per_mm / fringes.step_t);
         fringe.table = fringes.Table(crossing, 0) - fringes.tables.data();
     }
     fringes_.push_back(out);

@@ -247,18 +247,14 @@ struct Fringes {
                 hn::MulAdd(Constant(w[0]), over[e],
                            hn::MulAdd(Constant(w[1]), over[tile.fringes + e],
                                       hn::Mul(Constant(w[2]), over[2 * tile.fringes + e])));
-            const Floats place = hn::NegMulAdd(d, Constant(edge.per_mm), Constant(edge.start));
+            const Floats place =
+                hn::NegMulAdd(d, Constant(edge.per_mm), Constant(tile.fringe_start));
             const float half = std::max(edge.half / tile.band_sharpness[band], 0.25F);
             const float* const table = tile.fringe_tables + edge.table +
                                        static_cast<std::ptrdiff_t>(band) * tile.fringe_entries;
             const Floats sum = hn::Sub(ProfileSum(table, last, hn::Add(place, Constant(half))),
                                        ProfileSum(table, last, hn::Sub(place, Constant(half))));
-            const Floats sharp = hn::Min(
-                hn::Max(hn::NegMulAdd(d, Constant(0.5F * edge.per_mm / half), Constant(0.5F)),
-                        Constant(0.0F)),
-                Constant(1.0F));
-            const Floats departs = hn::Sub(hn::Mul(sum, Constant(0.5F / half)), sharp);
-            product = hn::Mul(product, hn::MulAdd(departs, Constant(edge.gain), sharp));
+            product = hn::Mul(product, hn::Mul(sum, Constant(0.5F / half)));
         }
         return product;
     }

@@ -78,8 +78,6 @@ struct FringeEdge {
     float radius = 0.0F;         // 0: straight
     float per_mm = 0.0F;         // steps
     float half = 0.0F;           // of a pixel's extent across the edge, steps
-    float start = 0.0F;          // place of a distance of 0 in the table
-    float gain = 1.0F;           // of the profile's departure from the sharp edge
     std::ptrdiff_t table = 0;    // first of its bands' tables
 };
 
@@ -89,11 +87,13 @@ struct EdgeShade {
     int straight = 0, arcs = 0;
     const StraightEdge* straight_edges = nullptr;
     const ArcEdge* arc_edges = nullptr;
-    // Edges with a profile; only with dispersion.
+    // Edges with a profile; only with dispersion. `fringe_start`: the place of an edge in its
+    // table.
     int fringes = 0;
     const FringeEdge* fringe_edges = nullptr;
     const float* fringe_tables = nullptr;
     int fringe_entries = 0;
+    float fringe_start = 0.0F;
     float light[3][4];  // at the corners
     // With dispersion: each band's share and how it leans on the traced wavelengths.
     int bands = 0;                          // 0: without

@@ -184,6 +184,7 @@ void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Str
             shade.fringe_edges = tiles.fringe_edges.data() + tile.fringes_at;
             shade.fringe_tables = fringes->tables.data();
             shade.fringe_entries = fringes->entries;
+            shade.fringe_start = static_cast<float>(fringes->dark_t / fringes->step_t);
         }
         if (tile.dispersed) {
             shade.bands = static_cast<int>(tiles.band_weights.size() / kTracedInTiles);
