@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/image/blur_rows.h"
@@ -57,11 +58,10 @@ class KernelRaster {
           width_(2 * half_x + 1),
           weights_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(2 * half_y + 1)) {}
 
-    void Draw(const std::vector<Vec2d>& points) {
+    void Draw(const std::vector<SourcePatch>& patches) {
         const RasterTarget target{{weights_.data()}, -half_x_, -half_y_, width_, 2 * half_y_ + 1};
         PolygonRaster raster(target, 1);
-        const double all = 1.0;
-        raster.Add(points, {&all, 1}, 0);
+        for (const SourcePatch& patch : patches) raster.Add(patch.outline, {&patch.share, 1}, 0);
         raster.Flush();
     }
 
@@ -119,6 +119,17 @@ class KernelRaster {
     std::vector<double> weights_;
 };
 
+// Calls f(a, b, a x b) for each side of an outline.
+template <class F>
+void EachSide(const std::vector<Vec2d>& outline, F f) {
+    FLARE_CHECK(outline.size() >= 3);
+    for (std::size_t k = 0; k < outline.size(); ++k) {
+        const Vec2d& a = outline[k];
+        const Vec2d& b = outline[(k + 1) % outline.size()];
+        f(a, b, a.x * b.y - a.y * b.x);
+    }
+}
+
 // The columns of each row that are not black in all channels.
 struct LitColumns {
     std::vector<int> first, end;
@@ -170,32 +181,38 @@ void GatherRows(const LightPlanes& from, const LitColumns& lit, const BlurKernel
 
 }  // namespace
 
-SourceCell CellOfOutline(std::vector<Vec2d> outline, Vec2d& centroid) {
-    FLARE_CHECK(outline.size() >= 3);
-    double area = 0.0;
-    Vec2d first(0.0, 0.0);
-    const auto each = [&](auto add) {
-        for (std::size_t k = 0; k < outline.size(); ++k) {
-            const Vec2d& a = outline[k];
-            const Vec2d& b = outline[(k + 1) % outline.size()];
-            add(a, b, a.x * b.y - a.y * b.x);
-        }
-    };
-    each([&](const Vec2d& a, const Vec2d& b, double cross) {
-        area += 0.5 * cross;
-        first += (a + b) * (cross / 6.0);
-    });
-    FLARE_CHECK(area != 0.0);
-    centroid = first / area;
-    for (Vec2d& p : outline) p -= centroid;
+SourceCell CellOfPatches(std::vector<SourcePatch> patches, Vec2d& centroid) {
+    double shares = 0.0;
+    for (const SourcePatch& patch : patches) shares += patch.share;
+    FLARE_CHECK(shares > 0.0);
+    centroid = Vec2d(0.0, 0.0);
+    for (SourcePatch& patch : patches) {
+        patch.share /= shares;
+        double area = 0.0;
+        Vec2d first(0.0, 0.0);
+        EachSide(patch.outline, [&](const Vec2d& a, const Vec2d& b, double cross) {
+            area += 0.5 * cross;
+            first += (a + b) * (cross / 6.0);
+        });
+        FLARE_CHECK(area != 0.0);
+        centroid += first * (patch.share / area);
+    }
     SourceCell cell;
-    each([&](const Vec2d& a, const Vec2d& b, double cross) {
-        const double w = cross / (12.0 * area);
-        cell.xx += w * (a.x * a.x + a.x * b.x + b.x * b.x);
-        cell.yy += w * (a.y * a.y + a.y * b.y + b.y * b.y);
-        cell.xy += 0.5 * w * (2.0 * a.x * a.y + a.x * b.y + b.x * a.y + 2.0 * b.x * b.y);
-    });
-    cell.outline = std::move(outline);
+    for (SourcePatch& patch : patches) {
+        for (Vec2d& p : patch.outline) p -= centroid;
+        double area = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+        EachSide(patch.outline, [&](const Vec2d& a, const Vec2d& b, double cross) {
+            area += 0.5 * cross;
+            xx += cross * (a.x * a.x + a.x * b.x + b.x * b.x);
+            yy += cross * (a.y * a.y + a.y * b.y + b.y * b.y);
+            xy += 0.5 * cross * (2.0 * a.x * a.y + a.x * b.y + b.x * a.y + 2.0 * b.x * b.y);
+        });
+        const double w = patch.share / (12.0 * area);
+        cell.xx += w * xx;
+        cell.xy += w * xy;
+        cell.yy += w * yy;
+    }
+    cell.patches = std::move(patches);
     return cell;
 }
 
@@ -213,18 +230,20 @@ BlurKernel KernelOf(const SourceCell& cell, const SourceImage& image) {
     const Moments wanted = OfEigenvalues(
         whole, [&](double l) { return std::max(l - drawn, Shrunk(l, kPixel + drawn)); });
 
-    std::vector<Vec2d> points;
+    std::vector<SourcePatch> patches = cell.patches;
     double reach_x = 0.0, reach_y = 0.0;
-    for (const Vec2d& p : cell.outline) {
-        const Vec2d at = u * p.x + v * p.y;
-        const Vec2d small(scale.xx * at.x + scale.xy * at.y, scale.xy * at.x + scale.yy * at.y);
-        reach_x = std::max(reach_x, std::abs(small.x));
-        reach_y = std::max(reach_y, std::abs(small.y));
-        points.push_back(small + Vec2d(0.5, 0.5));
+    for (SourcePatch& patch : patches) {
+        for (Vec2d& p : patch.outline) {
+            const Vec2d at = u * p.x + v * p.y;
+            const Vec2d small(scale.xx * at.x + scale.xy * at.y, scale.xy * at.x + scale.yy * at.y);
+            reach_x = std::max(reach_x, std::abs(small.x));
+            reach_y = std::max(reach_y, std::abs(small.y));
+            p = small + Vec2d(0.5, 0.5);
+        }
     }
     KernelRaster raster(static_cast<int>(std::ceil(reach_x + 0.5)) + 1,
                         static_cast<int>(std::ceil(reach_y + 0.5)) + 1);
-    raster.Draw(points);
+    raster.Draw(patches);
     // How pixels lie on a larger outline makes its moments swing a little about the right ones,
     // which is better left than mended in the middle.
     const double semi = 2.0 * std::sqrt(std::max(0.0, 0.5 * (whole.xx + whole.yy)));

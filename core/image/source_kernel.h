@@ -15,14 +15,21 @@
 
 namespace flare {
 
-// A part of a source, seen from its middle: components of the turn from there, radians.
-struct SourceCell {
-    std::vector<Vec2d> outline;           // about the centroid
-    double xx = 0.0, xy = 0.0, yy = 0.0;  // second moments over area
+// A piece of a source, evenly bright: components of the turn from some point, radians.
+struct SourcePatch {
+    std::vector<Vec2d> outline;
+    double share = 1.0;  // of the light of all patches
 };
 
-// From an outline about any point: its centroid, which is taken off it, and the cell.
-SourceCell CellOfOutline(std::vector<Vec2d> outline, Vec2d& centroid);
+// A part of a source, seen from its middle.
+struct SourceCell {
+    std::vector<SourcePatch> patches;     // about the centroid of their light
+    double xx = 0.0, xy = 0.0, yy = 0.0;  // second moments of their light
+};
+
+// From patches about any point, whose shares are made to add up to 1: their centroid, which is
+// taken off them, and the cell.
+SourceCell CellOfPatches(std::vector<SourcePatch> patches, Vec2d& centroid);
 
 // The image of a cell on a picture of pixels of 2^coarse.
 struct SourceImage {

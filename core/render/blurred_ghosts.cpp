@@ -15,8 +15,12 @@ namespace {
 constexpr double kSeen_px = 0.2;      // a source's image of less is a point
 constexpr double kFewer = 0.3;        // of directions along a side, when rounding up
 constexpr double kWidest_px = 128.0;  // that a kernel may be on its own level
-constexpr double kPartsShare = 0.7;   // of the blur, for what parts of a source add up to
-constexpr double kAlike_px = 5.0;     // times the tolerance, between images that one kernel serves
+// Less light than this many pixels across is spread by the pixels as much as by its shape, and
+// stands where a pixel does: its image is as sharp as the source's, which then has to be.
+constexpr double kShape_px = 3.0;
+constexpr double kSharp_px = 24.0;
+constexpr double kPartsShare = 0.7;  // of the blur, for what parts of a source add up to
+constexpr double kAlike_px = 5.0;    // times the tolerance, between images that one kernel serves
 constexpr std::size_t kTasksPerBatch = 12;
 constexpr std::size_t kPixelsAtOnce = std::size_t{1} << 22;
 
@@ -31,10 +35,12 @@ std::array<double, 2> SemiAxes(const GhostMotion& motion, double radius_rad) {
     return {larger > 0.0 ? radius_rad * area / larger : 0.0, radius_rad * larger};
 }
 
-int CoarseFor(const std::array<double, 2>& semi, double least_px) {
+int CoarseFor(const std::array<double, 2>& semi, double box_px, double least_px) {
     int coarse = 0;
-    while (coarse < kCoarsest && (std::ldexp(semi[0], -coarse - 1) >= least_px ||
-                                  std::ldexp(semi[1], -coarse) > kWidest_px)) {
+    while (coarse < kCoarsest) {
+        const double scale = std::ldexp(1.0, -coarse - 1);
+        const double least = box_px * scale >= kShape_px ? least_px : std::max(least_px, kSharp_px);
+        if (semi[0] * scale < least && semi[1] * scale <= 0.5 * kWidest_px) break;
         ++coarse;
     }
     return coarse;
@@ -149,7 +155,9 @@ std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double 
                                  settings.most_blur_side);
         // Parts of a source may be less than a pixel: it is their sum that has no detail.
         const double parts = choice.side > 1 ? kPartsShare : 1.0;
-        choice.coarse = CoarseFor({semi[0] * parts, semi[1] * parts}, settings.least_blur_px);
+        choice.coarse = CoarseFor({semi[0] * parts, semi[1] * parts},
+                                  std::min(ghost.sample.box_width_px, ghost.sample.box_height_px),
+                                  settings.least_blur_px);
     }
     return choices;
 }
@@ -166,10 +174,12 @@ struct BlurredGhosts::Group {
 };
 
 BlurredGhosts::BlurredGhosts(const RenderScene& scene, const RenderContext& context,
-                             const GhostBuilder& builder, const GhostCanvas& canvas)
+                             const GhostBuilder& builder, const GhostPlanner& planner,
+                             const GhostCanvas& canvas)
     : scene_(scene),
       context_(context),
       builder_(builder),
+      planner_(planner),
       canvas_(canvas),
       levels_({scene.window.x - canvas.origin_x, scene.window.y - canvas.origin_y,
                scene.window.width, scene.window.height},
@@ -191,38 +201,24 @@ GhostCanvas BlurredGhosts::CanvasOf(const Group& group) const {
 std::vector<BlurredGhosts::Group> BlurredGhosts::GroupsOf(const SourceDisc& disc,
                                                           const SourceSquare& part,
                                                           const PlacedLight& light,
-                                                          std::span<const Job> jobs) const {
+                                                          std::span<const Job> jobs,
+                                                          Work& work) const {
     std::vector<Group> groups;
-    std::vector<Group> single;
     const double radius = 0.5 * light.angular_diameter_rad;
-    for (std::size_t n = 0; n < jobs.size(); ++n) {
+    for (std::size_t n = 0; n < jobs.size() && part.whole(); ++n) {
         const BlurChoice& choice = jobs[n].choice;
-        const GhostMotion& motion = *jobs[n].planned->motion;
-        const double size = std::ldexp(1.0, -choice.coarse);
-        if (choice.side == 1 && part.whole()) {
-            const ImageShape shape = ShapeOf(motion, size);
-            const auto fits = [&](const Group& group) {
-                return group.coarse == choice.coarse && group.jobs.size() < kTasksPerBatch &&
-                       radius * shape.Apart(group.shape) <
-                           scene_.settings.tolerance * (kAlike_px + radius * shape.Size());
-            };
-            const auto found = std::find_if(groups.begin(), groups.end(), fits);
-            Group& group = found != groups.end() ? *found : groups.emplace_back();
-            if (group.jobs.empty()) group.shape = shape;
-            group.coarse = choice.coarse;
-            group.jobs.push_back(n);
-            continue;
-        }
-        for (int k = 0; k < choice.side * choice.side; ++k) {
-            const SourceSquare square = part.Part(k % choice.side, k / choice.side, choice.side);
-            Group& group = single.emplace_back();
-            group.jobs = {n};
-            group.coarse = choice.coarse;
-            group.share = 1.0 / (choice.side * choice.side);
-            group.light = choice.side == 1 ? light : disc.LightOf(square);
-            group.kernel = KernelOf(disc.CellOf(square, light),
-                                    {motion.along_u * size, motion.along_v * size, choice.coarse});
-        }
+        if (choice.side > 1) continue;
+        const ImageShape shape = ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -choice.coarse));
+        const auto fits = [&](const Group& group) {
+            return group.coarse == choice.coarse && group.jobs.size() < kTasksPerBatch &&
+                   radius * shape.Apart(group.shape) <
+                       scene_.settings.tolerance * (kAlike_px + radius * shape.Size());
+        };
+        const auto found = std::find_if(groups.begin(), groups.end(), fits);
+        Group& group = found != groups.end() ? *found : groups.emplace_back();
+        if (group.jobs.empty()) group.shape = shape;
+        group.coarse = choice.coarse;
+        group.jobs.push_back(n);
     }
     for (Group& group : groups) {
         ImageShape mean{0.0, 0.0, 0.0};
@@ -234,8 +230,53 @@ std::vector<BlurredGhosts::Group> BlurredGhosts::GroupsOf(const SourceDisc& disc
         group.kernel = KernelOf(disc.CellOf(part, light),
                                 {Vec2d(mean.xx, mean.xy), Vec2d(mean.xy, mean.yy), group.coarse});
     }
+    std::vector<Group> single = PartsOf(disc, part, light, jobs, work);
     std::move(single.begin(), single.end(), std::back_inserter(groups));
     for (Group& group : groups) group.canvas = CanvasOf(group);
+    return groups;
+}
+
+// One ghost each, from one direction.
+std::vector<BlurredGhosts::Group> BlurredGhosts::PartsOf(const SourceDisc& disc,
+                                                         const SourceSquare& part,
+                                                         const PlacedLight& light,
+                                                         std::span<const Job> jobs,
+                                                         Work& work) const {
+    std::vector<Group> groups;
+    std::vector<SourceSquare> squares;
+    for (std::size_t n = 0; n < jobs.size(); ++n) {
+        const int side = jobs[n].choice.side;
+        if (side == 1 && part.whole()) continue;
+        for (int k = 0; k < side * side; ++k) {
+            squares.push_back(part.Part(k % side, k / side, side));
+            Group& group = groups.emplace_back();
+            group.jobs = {n};
+            group.coarse = jobs[n].choice.coarse;
+            group.share = squares.back().share() / part.share();
+        }
+    }
+    std::vector<std::uint64_t> rays(groups.size());
+    context_.threads.For(static_cast<int>(groups.size()), [&](int i) {
+        const auto g = static_cast<std::size_t>(i);
+        Group& group = groups[g];
+        const Job& job = jobs[group.jobs.front()];
+        group.light = light;
+        GhostMotion motion = *job.planned->motion;
+        const PlacedLight* seen_from = &light;
+        if (job.choice.side > 1) {
+            group.light = disc.LightOf(squares[g]);
+            const GhostMotion own = planner_.MotionAlone(group.light, *job.sequence);
+            rays[g] = own.rays;
+            if (own.known) {
+                motion = own;
+                seen_from = &group.light;
+            }
+        }
+        const double size = std::ldexp(1.0, -group.coarse);
+        group.kernel = KernelOf(disc.CellOf(squares[g], *seen_from),
+                                {motion.along_u * size, motion.along_v * size, group.coarse});
+    });
+    for (const std::uint64_t r : rays) work.sampled_rays += r;
     return groups;
 }
 
@@ -245,7 +286,7 @@ std::vector<BlurredGhosts::Drawn> BlurredGhosts::Add(const SourceDisc& disc,
                                                      std::span<const Job> jobs, bool with_flux,
                                                      Work& work) {
     std::vector<Drawn> drawn(jobs.size());
-    const std::vector<Group> groups = GroupsOf(disc, part, light, jobs);
+    const std::vector<Group> groups = GroupsOf(disc, part, light, jobs, work);
     for (std::size_t first = 0; first < groups.size();) {
         // As many at once as memory allows.
         std::size_t count = 0, ghosts = 0, pixels = 0;

@@ -2,8 +2,9 @@
 //
 // Ghosts of a light that is no point: each is drawn as that of a point and blurred by the image of
 // the source that its own motion makes (ghost_motion.h), on pixels as coarse as the blur allows;
-// where one motion is not true enough for the whole source, by parts of the source, each from its
-// own direction. docs/physics/area-lights.md.
+// where one motion is not true enough for the whole source, by parts of the source that fade into
+// each other (source_disc.h), each from its own direction and with its own motion.
+// docs/physics/area-lights.md.
 //
 // Bytes do not depend on threads; a crop holds what the frame does: levels are laid out from the
 // frame's middle, everything is drawn with a margin of the kernel's reach, and what is chosen for a
@@ -35,7 +36,8 @@ class BlurredGhosts {
   public:
     // `canvas` is the picture's own. The arguments must outlive this.
     BlurredGhosts(const RenderScene& scene, const RenderContext& context,
-                  const GhostBuilder& builder, const GhostCanvas& canvas);
+                  const GhostBuilder& builder, const GhostPlanner& planner,
+                  const GhostCanvas& canvas);
 
     // Ghosts of one part of a disc; `light` is that part as a point light.
     struct Job {
@@ -60,7 +62,11 @@ class BlurredGhosts {
   private:
     struct Group;
     std::vector<Group> GroupsOf(const SourceDisc& disc, const SourceSquare& part,
-                                const PlacedLight& light, std::span<const Job> jobs) const;
+                                const PlacedLight& light, std::span<const Job> jobs,
+                                Work& work) const;
+    std::vector<Group> PartsOf(const SourceDisc& disc, const SourceSquare& part,
+                               const PlacedLight& light, std::span<const Job> jobs,
+                               Work& work) const;
     GhostCanvas CanvasOf(const Group& group) const;
     void AddGroups(std::span<const Group> groups, std::span<const Job> jobs, bool with_flux,
                    std::vector<Drawn>& drawn, Work& work);
@@ -69,6 +75,7 @@ class BlurredGhosts {
     const RenderScene& scene_;
     const RenderContext& context_;
     const GhostBuilder& builder_;
+    const GhostPlanner& planner_;
     const GhostCanvas& canvas_;
     CoarseLevels levels_;
 };

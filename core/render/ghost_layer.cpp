@@ -135,7 +135,7 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
             jobs.push_back({&planned[n], &facts.sequence, choices[n]});
         }
     }
-    if (!blurred_) blurred_.emplace(scene_, context_, builder_, canvas_);
+    if (!blurred_) blurred_.emplace(scene_, context_, builder_, planner_, canvas_);
     const std::vector<BlurredGhosts::Drawn> drawn =
         blurred_->Add(disc, part, light, jobs, reported, report_.work);
     for (std::size_t n = 0; n < jobs.size(); ++n) {

@@ -101,6 +101,19 @@ std::vector<std::optional<GhostMotion>> GhostPlanner::Motions(
     return motions;
 }
 
+GhostMotion GhostPlanner::MotionAlone(const PlacedLight& light,
+                                      const BounceSequence& sequence) const {
+    const LightBundle bundle = BundleOf(*request_.lens, light);
+    const SampleScene scene = SceneOf(light, bundle);
+    const GhostSample sample = SampleGhost(scene, sequence);
+    GhostMotion motion;
+    if (sample.flux_mm2 > 0.0) {
+        motion = MotionOf(scene, sequence, sample.region, 0.5 * light.angular_diameter_rad);
+    }
+    motion.rays += sample.rays;
+    return motion;
+}
+
 GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,
                              const std::vector<GhostSample>& samples,
                              const std::vector<std::optional<GhostMotion>>& motions,

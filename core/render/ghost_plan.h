@@ -54,6 +54,8 @@ class GhostPlanner {
                                                     const std::vector<GhostSample>& samples,
                                                     const QualitySettings& settings,
                                                     const RenderContext& context) const;
+    // How one ghost moves about this light, sampled anew.
+    GhostMotion MotionAlone(const PlacedLight& light, const BounceSequence& sequence) const;
     // What to draw of them at these settings, or at coarser ones than their motions are for. Only
     // ghosts of two reflections are culled: those of four have been chosen already.
     GhostPlan Plan(const PlacedLight& light, const std::vector<BounceSequence>& sequences,

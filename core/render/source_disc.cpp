@@ -1,14 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/render/source_disc.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/base/check.h"
 #include "core/base/units.h"
 
 namespace flare {
 namespace {
 
-constexpr int kPointsOfSide = 24;
+constexpr int kPointsOfWhole = 24;  // along a side of the square
+constexpr int kPieces = 10;         // of a part along a side: its light falls in so many steps
+constexpr int kPointsOfPiece = 3;
+constexpr double kRounding = 1e-12;  // knots no farther apart are one
+constexpr double kStep = 0.25;       // of the disc's width, to tell one frame of turns from another
 
 // The concentric map, to the unit disc.
 Vec2d OnDisc(double a, double b) {
@@ -19,42 +27,90 @@ Vec2d OnDisc(double a, double b) {
     return {r * std::cos(angle), r * std::sin(angle)};
 }
 
+// The image of a rectangle of the square, by so many points a side.
+std::vector<Vec2d> ImageOf(const SourceSide::Piece& x, const SourceSide::Piece& y, int points,
+                           double radius) {
+    std::vector<Vec2d> outline;
+    outline.reserve(static_cast<std::size_t>(4 * points));
+    const auto side = [&](Vec2d from, Vec2d to) {
+        for (int k = 0; k < points; ++k) {
+            const Vec2d at = from + (to - from) * (static_cast<double>(k) / points);
+            outline.push_back(OnDisc(at.x, at.y) * radius);
+        }
+    };
+    side({x.from, y.from}, {x.to, y.from});
+    side({x.to, y.from}, {x.to, y.to});
+    side({x.to, y.to}, {x.from, y.to});
+    side({x.from, y.to}, {x.from, y.from});
+    return outline;
+}
+
 }  // namespace
 
-SourceSquare SourceSquare::Part(int i, int j, int n) const {
-    const double dx = (x1 - x0) / n;
-    const double dy = (y1 - y0) / n;
-    return {i == 0 ? x0 : x0 + i * dx, i + 1 == n ? x1 : x0 + (i + 1) * dx,
-            j == 0 ? y0 : y0 + j * dy, j + 1 == n ? y1 : y0 + (j + 1) * dy};
+double SourceHat::At(double a) const {
+    const double t = (a - node) / reach;
+    if ((first && t <= 0.0) || (last && t >= 0.0)) return 1.0;
+    return std::max(0.0, 1.0 - std::abs(t));
+}
+
+std::vector<SourceSide::Piece> SourceSide::Pieces(int count) const {
+    std::array<double, 4> knots{from, std::clamp(outer.node, from, to),
+                                std::clamp(inner.node, from, to), to};
+    std::sort(knots.begin(), knots.end());
+    const auto at = [&](double a) { return outer.At(a) * inner.At(a); };
+    std::vector<Piece> pieces;
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+        const double length = knots[k + 1] - knots[k];
+        if (length < kRounding) continue;
+        const int parts = static_cast<int>(std::ceil(length / (to - from) * count));
+        for (int i = 0; i < parts; ++i) {
+            const double a = knots[k] + length * i / parts;
+            const double b = i + 1 == parts ? knots[k + 1] : knots[k] + length * (i + 1) / parts;
+            // Simpson's rule is exact: products of two hats are quadratic between knots.
+            const double mean = (at(a) + 4.0 * at(0.5 * (a + b)) + at(b)) / 6.0;
+            pieces.push_back({a, b, 0.5 * (b - a) * mean});
+        }
+    }
+    return pieces;
+}
+
+double SourceSide::share() const {
+    if (whole()) return 1.0;
+    double sum = 0.0;
+    for (const Piece& piece : Pieces(1)) sum += piece.share;
+    return sum;
+}
+
+SourceSide SourceSide::Part(int i, int n) const {
+    if (n == 1) return *this;
+    FLARE_CHECK(outer.first && outer.last);
+    const double width = (to - from) / n;
+    SourceSide part{from, to, inner, {from + (i + 0.5) * width, width, i == 0, i + 1 == n}};
+    if (!part.inner.first) part.from = part.inner.node - width;
+    if (!part.inner.last) part.to = part.inner.node + width;
+    return part;
 }
 
 SourceDisc::SourceDisc(const Lens& lens, const PlacedLight& light)
     : lens_(lens), light_(light), bundle_(BundleOf(lens, light)) {}
 
-// Of the part's own area: chords cut off some of the disc.
-std::vector<Vec2d> SourceDisc::Outline(const SourceSquare& part) const {
-    const double radius = 0.5 * light_.angular_diameter_rad;
-    std::vector<Vec2d> points;
-    const auto side = [&](Vec2d from, Vec2d to) {
-        for (int k = 0; k < kPointsOfSide; ++k) {
-            const Vec2d at = from + (to - from) * (static_cast<double>(k) / kPointsOfSide);
-            points.push_back(OnDisc(at.x, at.y) * radius);
+SourceCell SourceDisc::OwnCell(const SourceSquare& part, Vec2d& middle) const {
+    double radius = 0.5 * light_.angular_diameter_rad;
+    std::vector<SourcePatch> patches;
+    if (part.whole()) {
+        // Chords cut off some of the disc.
+        const double turn = 2.0 * kPi / (4 * kPointsOfWhole);
+        radius *= std::sqrt(turn / std::sin(turn));
+        patches.push_back({ImageOf({-1.0, 1.0, 1.0}, {-1.0, 1.0, 1.0}, kPointsOfWhole, radius)});
+    } else {
+        const std::vector<SourceSide::Piece> across = part.x.Pieces(kPieces);
+        for (const SourceSide::Piece& y : part.y.Pieces(kPieces)) {
+            for (const SourceSide::Piece& x : across) {
+                patches.push_back({ImageOf(x, y, kPointsOfPiece, radius), x.share * y.share});
+            }
         }
-    };
-    side({part.x0, part.y0}, {part.x1, part.y0});
-    side({part.x1, part.y0}, {part.x1, part.y1});
-    side({part.x1, part.y1}, {part.x0, part.y1});
-    side({part.x0, part.y1}, {part.x0, part.y0});
-    double area = 0.0;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        const Vec2d& next = points[(k + 1) % points.size()];
-        area += 0.5 * (points[k].x * next.y - points[k].y * next.x);
     }
-    Vec2d middle(0.0, 0.0);
-    for (const Vec2d& p : points) middle += p / static_cast<double>(points.size());
-    const double grow = std::sqrt(part.share() * kPi * radius * radius / area);
-    for (Vec2d& p : points) p = middle + (p - middle) * grow;
-    return points;
+    return CellOfPatches(std::move(patches), middle);
 }
 
 Vec3d SourceDisc::Travel(Vec2d turn_rad) const {
@@ -66,26 +122,36 @@ Vec3d SourceDisc::Travel(Vec2d turn_rad) const {
 PlacedLight SourceDisc::LightOf(const SourceSquare& part) const {
     if (part.whole()) return light_;
     Vec2d middle(0.0, 0.0);
-    CellOfOutline(Outline(part), middle);
+    const SourceCell cell = OwnCell(part, middle);
     const Vec3d travel = Travel(middle);
     PlacedLight light = FacedTo(lens_, light_, Vec3d(-travel.x, -travel.y, travel.z));
     light.irradiance *= part.share();
     light.share *= part.share();
-    light.angular_diameter_rad *= std::sqrt(part.share());
+    // A disc's second moment along an axis is a quarter of its radius squared.
+    light.angular_diameter_rad = 4.0 * std::sqrt(0.5 * (cell.xx + cell.yy));
     return light;
 }
 
+// One frame of turns seen from another is all but affine over a disc of some degrees.
 SourceCell SourceDisc::CellOf(const SourceSquare& part, const PlacedLight& seen_from) const {
-    std::vector<Vec2d> outline = Outline(part);
-    const LightBundle from = BundleOf(lens_, seen_from);
-    for (Vec2d& p : outline) {
-        const Vec3d travel = Travel(p);
-        const Vec2d across(travel.x, travel.y);
-        p = from.TurnTo(
-            Vec3d(across.dot(seen_from.pose.x_axis), across.dot(seen_from.pose.y_axis), travel.z));
-    }
     Vec2d middle(0.0, 0.0);
-    return CellOfOutline(std::move(outline), middle);
+    SourceCell cell = OwnCell(part, middle);
+    const LightBundle from = BundleOf(lens_, seen_from);
+    const auto turn = [&](Vec2d own) {
+        const Vec3d travel = Travel(own);
+        const Vec2d across(travel.x, travel.y);
+        return from.TurnTo(
+            Vec3d(across.dot(seen_from.pose.x_axis), across.dot(seen_from.pose.y_axis), travel.z));
+    };
+    const double step = kStep * light_.angular_diameter_rad;
+    const Vec2d u =
+        (turn(middle + Vec2d(step, 0.0)) - turn(middle - Vec2d(step, 0.0))) / (2.0 * step);
+    const Vec2d v =
+        (turn(middle + Vec2d(0.0, step)) - turn(middle - Vec2d(0.0, step))) / (2.0 * step);
+    for (SourcePatch& patch : cell.patches) {
+        for (Vec2d& p : patch.outline) p = u * p.x + v * p.y;
+    }
+    return CellOfPatches(std::move(cell.patches), middle);
 }
 
 }  // namespace flare

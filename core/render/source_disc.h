@@ -1,24 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A light that is a disc, in parts of equal solid angle: squares of the square that the concentric
-// map (Shirley and Chiu 1997, A low distortion map between disk and square) takes to the disc. Each
-// part is a point light at its middle, with its share of the irradiance, and an outline to blur
-// that point's ghosts by.
+// A light that is a disc, in parts that fade into each other: on the square that the concentric map
+// (Shirley and Chiu 1997, A low distortion map between disk and square) takes to the disc, every
+// part is a product of hats, 1 at its own node and 0 at its neighbours'. Hats of one row add up to
+// 1, so all parts together are the disc, and a picture made of their pictures has no seams where
+// they meet. Each part is a point light at the middle of its light, with its share of the
+// irradiance, and a cell to blur that point's ghosts by.
 #pragma once
+
+#include <vector>
 
 #include "core/image/source_kernel.h"
 #include "core/render/lights.h"
 
 namespace flare {
 
-// A part of the map's square, -1..1 along both sides.
-struct SourceSquare {
-    double x0 = -1.0, x1 = 1.0, y0 = -1.0, y1 = 1.0;
+// A hat over one side of the square: 1 at its node, falling to 0 at `reach` from it, but level
+// beyond the first and the last node of its row. Alone in its row it is 1 everywhere.
+struct SourceHat {
+    double node = 0.0, reach = 1.0;
+    bool first = true, last = true;
 
-    bool whole() const { return x0 == -1.0 && x1 == 1.0 && y0 == -1.0 && y1 == 1.0; }
-    double share() const { return 0.25 * (x1 - x0) * (y1 - y0); }
+    double At(double a) const;
+};
+
+// What a part takes of one side of the square, -1..1: a hat, or one within another.
+struct SourceSide {
+    double from = -1.0, to = 1.0;
+    SourceHat outer, inner;
+
+    // Between places where it is no polynomial, at least `count`; each with its share.
+    struct Piece {
+        double from = 0.0, to = 0.0, share = 0.0;
+    };
+    std::vector<Piece> Pieces(int count) const;
+    bool whole() const { return inner.first && inner.last; }
+    double share() const;
+    // Hat i of n; of a part, once.
+    SourceSide Part(int i, int n) const;
+};
+
+struct SourceSquare {
+    SourceSide x, y;
+
+    bool whole() const { return x.whole() && y.whole(); }
+    double share() const { return x.share() * y.share(); }
     // Part (i, j) of n x n.
-    SourceSquare Part(int i, int j, int n) const;
+    SourceSquare Part(int i, int j, int n) const { return {x.Part(i, n), y.Part(j, n)}; }
 };
 
 class SourceDisc {
@@ -26,13 +54,14 @@ class SourceDisc {
     // The arguments must outlive the disc.
     SourceDisc(const Lens& lens, const PlacedLight& light);
 
-    // A part as a point light; its angular diameter is that of a disc of the part's width.
+    // A part as a point light; its angular diameter is that of a disc as wide as the part's light.
     PlacedLight LightOf(const SourceSquare& part) const;
-    // A part's outline in the turns of `seen_from`, which stands near it.
+    // A part in the turns of `seen_from`, which stands near it.
     SourceCell CellOf(const SourceSquare& part, const PlacedLight& seen_from) const;
 
   private:
-    std::vector<Vec2d> Outline(const SourceSquare& part) const;
+    // In turns of the light itself, about its own middle.
+    SourceCell OwnCell(const SourceSquare& part, Vec2d& middle) const;
     // Direction of travel in lens space.
     Vec3d Travel(Vec2d turn_rad) const;
 

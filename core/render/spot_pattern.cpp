@@ -17,6 +17,11 @@ constexpr double kDiscBlendFrom = 0.75;
 // The middle of a disc's pattern reaches this many of its radii: farther out the disc matters only
 // across spikes.
 constexpr double kDiscRadii = 6.0;
+// A near pattern that reaches no farther is narrower than what pixels see: the far one begins right
+// at its square, also within a pixel.
+constexpr double kLeastBlended_px = 2.5;
+constexpr double kFineParts = 6.0;  // of a pixel, for the distance from the middle
+constexpr double kPartsOfCut = 24.0, kMostFineParts = 48.0;
 constexpr double kPointRadius_px = 0.05;  // a source this small is a point
 constexpr int kPatchSide = 1024;          // cells, at most twice as many after rounding up
 // Pixels so near to the middle that the far pattern is bent within them are cut up.
@@ -41,15 +46,17 @@ constexpr double kOutermost_px = 30'000.0;
 
 SpotPattern::SpotPattern(const std::vector<ApertureOutline>& outlines, const NearPattern& near,
                          const std::vector<SpotBand>& bands, const SourceEllipse& source,
-                         Vec2d middle, double outer_px, ThreadPool& threads)
+                         Vec2d middle, double near_px, ThreadPool& threads)
     : near_(near),
       bands_(bands),
       middle_(middle),
-      point_edge_(outer_px),
-      point_far_(outlines, PatternBands(bands), {}, kBlendFrom * outer_px, kOutermost_px) {
+      blended_(near_px >= kLeastBlended_px),
+      point_edge_(near_px),
+      point_far_(outlines, PatternBands(bands), {}, blended_ ? kBlendFrom * near_px : near_px,
+                 kOutermost_px) {
     const double radius = source.radius();
     if (radius <= kPointRadius_px) return;
-    disc_edge_ = std::max(kDiscRadii * radius, outer_px + 2.0 * radius);
+    disc_edge_ = std::max(kDiscRadii * radius, std::max(near_px, kLeastBlended_px) + 2.0 * radius);
     disc_far_.emplace(outlines, PatternBands(bands), source, kDiscBlendFrom * disc_edge_,
                       kOutermost_px);
     BuildPatch(source, threads);
@@ -71,9 +78,33 @@ Vec3d SpotPattern::MeanFar(const FarPattern& far, Vec2d place, double size) cons
     return sum / static_cast<double>(parts * parts);
 }
 
+// Of the part of a cell that lies outside the near pattern's square.
+Vec3d SpotPattern::MeanOutside(Vec2d place, double size) const {
+    const double half = 0.5 * size;
+    const Vec2d off(std::abs(place.x), std::abs(place.y));
+    const double farthest = std::max(off.x, off.y);
+    if (farthest + half <= point_edge_) return Vec3d(0.0, 0.0, 0.0);
+    const bool cut = farthest - half < point_edge_;
+    const double nearest = std::hypot(std::max(off.x - half, 0.0), std::max(off.y - half, 0.0));
+    const double fine = kFineParts * size / std::max(nearest, point_edge_);
+    if (!cut && fine <= kMostParts) return MeanFar(point_far_, place, size);
+    const int parts = static_cast<int>(
+        std::clamp(std::ceil(fine), cut ? kPartsOfCut : 1.0, std::max(size, kMostFineParts)));
+    Vec3d sum(0.0, 0.0, 0.0);
+    for (int j = 0; j < parts; ++j) {
+        for (int i = 0; i < parts; ++i) {
+            const Vec2d at = place + Vec2d((i + 0.5) / parts - 0.5, (j + 0.5) / parts - 0.5) * size;
+            if (std::max(std::abs(at.x), std::abs(at.y)) < point_edge_) continue;
+            sum += point_far_.At(at);
+        }
+    }
+    return sum / static_cast<double>(parts * parts);
+}
+
 // Band by band: the sums at the corners of the pixels that the near pattern reaches.
 void SpotPattern::AddNear(const PixelWindow& cells, int bin, std::vector<Vec3d>& out) const {
     const double reach = point_edge_ + bin;
+    const double square = blended_ ? 1e300 : point_edge_;
     const auto clip = [&](double at, int from, int size, int& lo, int& hi) {
         lo = std::clamp(static_cast<int>(std::floor((at - reach - from) / bin)), 0, size);
         hi = std::clamp(static_cast<int>(std::ceil((at + reach - from) / bin)), 0, size);
@@ -90,11 +121,12 @@ void SpotPattern::AddNear(const PixelWindow& cells, int bin, std::vector<Vec3d>&
         for (int i = i0; i <= i1; ++i) {
             const double x = cells.x + static_cast<double>(i) * bin;
             lines[static_cast<std::size_t>(i - i0)] =
-                near_.LineAt((x - spot.middle.x) / wavelength);
+                near_.LineAt(std::clamp(x - spot.middle.x, -square, square) / wavelength);
         }
         const auto corners = [&](int j, std::vector<double>& sums) {
             const double y = cells.y + static_cast<double>(j) * bin;
-            const NearPattern::Line line = near_.LineAt((y - spot.middle.y) / wavelength);
+            const NearPattern::Line line =
+                near_.LineAt(std::clamp(y - spot.middle.y, -square, square) / wavelength);
             for (std::size_t i = 0; i <= columns; ++i) sums[i] = near_.Below(lines[i], line);
         };
         corners(j0, above);
@@ -122,6 +154,10 @@ std::vector<Vec3d> SpotPattern::PointLight(const PixelWindow& cells, int bin) co
         for (int i = 0; i < cells.width; ++i, ++k) {
             const Vec2d place =
                 Vec2d(cells.x + (i + 0.5) * bin, cells.y + (j + 0.5) * bin) - middle_;
+            if (!blended_) {
+                light[k] += MeanOutside(place, bin) * (bin * bin);
+                continue;
+            }
             const double far_share =
                 Smooth((place.length() / point_edge_ - kBlendFrom) / (1.0 - kBlendFrom));
             if (far_share <= 0.0) continue;

@@ -25,8 +25,8 @@ struct SpotBand {
 class SpotPattern {
   public:
     // Outlines in mm over pixels a radian, so that pixels over mm are their frequencies;
-    // wavelengths in mm. `middle` is the place from which far light is measured. `near` outlives
-    // the pattern.
+    // wavelengths in mm. `middle` is the place from which far light is measured, `near_px` how far
+    // `near` is good for all wavelengths; it outlives the pattern.
     SpotPattern(const std::vector<ApertureOutline>& outlines, const NearPattern& near,
                 const std::vector<SpotBand>& bands, const SourceEllipse& source, Vec2d middle,
                 double outer_px, ThreadPool& threads);
@@ -44,12 +44,14 @@ class SpotPattern {
     std::vector<Vec3d> PointLight(const PixelWindow& cells, int bin) const;
     void AddNear(const PixelWindow& cells, int bin, std::vector<Vec3d>& out) const;
     Vec3d MeanFar(const FarPattern& far, Vec2d place, double size) const;
+    Vec3d MeanOutside(Vec2d place, double size) const;
     void BuildPatch(const SourceEllipse& source, ThreadPool& threads);
     Vec3d FromPatch(double x, double y) const;
 
     const NearPattern& near_;
     std::vector<SpotBand> bands_;
     Vec2d middle_;
+    bool blended_;       // near and far pattern, over some pixels
     double point_edge_;  // from here on a point's pattern is the far one
     FarPattern point_far_;
     double disc_edge_ = 0.0;  // the same of the source's; 0: a point

@@ -20,7 +20,6 @@ constexpr int kRows = 16;           // of a strip
 // The near pattern's transform: fringes are resolved up to D k = 0.0375 side.
 constexpr int kSide = 1024, kFineSide = 2048;
 constexpr double kBluest_nm = 430.0;   // of what counts in a colour
-constexpr double kLeastEdge_px = 2.5;  // of the near pattern
 constexpr int kTransmittanceStep = 2;  // samples of the spectrum
 
 // The canonical chief ray's place on the sensor for a light turned by small angles along u and v.
@@ -234,8 +233,8 @@ void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const Ca
 
     const auto draw = [&](const std::vector<SpotBand>& of, Vec2d middle, double shortest_mm,
                           std::size_t plane) {
-        const double edge = std::max(kLeastEdge_px, near.limit() * shortest_mm);
-        const SpotPattern pattern(spot.outlines, near, of, source, middle, edge, threads);
+        const SpotPattern pattern(spot.outlines, near, of, source, middle,
+                                  near.limit() * shortest_mm, threads);
         Draw(pattern, plane, threads, cancel);
     };
     if (!spectral_) {

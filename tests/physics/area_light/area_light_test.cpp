@@ -4,9 +4,12 @@
 // optics, and against themselves: crops, threads, energy, no sudden change.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/render/ghost_motion.h"
+#include "core/render/source_disc.h"
 #include "core/tracing/paraxial_ghost.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
@@ -137,6 +140,62 @@ TEST(AreaLight, HasTheSameBitsInACropAndOnMoreThreads) {
             }
         }
     }
+}
+
+// However a disc is taken apart, its parts have all of its light, its middle and its width: a
+// quarter of the radius squared along each axis.
+TEST(AreaLight, PartsOfADiscAddUpToIt) {
+    const std::shared_ptr<const Lens> lens = testing::LibraryLens(kTriplet);
+    FlareRequest request = Colour(kTriplet, 7.0, 60, 40);
+    request.lights[0].angular_diameter_deg = 2.0;
+    const PlacedLight light = *PlaceLight(request, 0);
+    const SourceDisc disc(*lens, light);
+    const double radius = 0.5 * light.angular_diameter_rad;
+    const Vec3d e1 = light.direction.cross(Vec3d(0.0, 1.0, 0.0)).normalized();
+    const Vec3d e2 = light.direction.cross(e1);
+    std::vector<SourceSquare> parts;
+    for (int k = 0; k < 9; ++k) parts.push_back(SourceSquare().Part(k % 3, k / 3, 3));
+    // The first of them once more in parts.
+    for (int k = 0; k < 4; ++k) parts.push_back(parts[0].Part(k % 2, k / 2, 2));
+    parts.erase(parts.begin());
+    double share = 0.0, moment = 0.0;
+    Vec2d mean(0.0);
+    for (const SourceSquare& part : parts) {
+        const PlacedLight of = disc.LightOf(part);
+        const SourceCell cell = disc.CellOf(part, of);
+        const Vec2d at(of.direction.dot(e1), of.direction.dot(e2));
+        EXPECT_NEAR(of.share, part.share(), 1e-12);
+        share += of.share;
+        mean += at * of.share;
+        moment += (at.dot(at) + cell.xx + cell.yy) * of.share;
+    }
+    EXPECT_NEAR(share, 1.0, 1e-12);
+    EXPECT_NEAR(mean.length(), 0.0, 1e-3 * radius);
+    EXPECT_NEAR(moment, 0.5 * radius * radius, 0.005 * radius * radius);
+}
+
+// Ghost (8, 4), all but focused, is a disc of 56 pixels on a frame of 960: no part of the source
+// leaves a gap, nor does the light change faster across it than its motion does.
+TEST(AreaLight, HasNoSeamsInAFocusedGhost) {
+    Studio studio;
+    FlareRequest request = Colour(testing::kSeedName, 0.0, 960, 540);
+    request.quality = QualityPreset::kPreview;
+    request.lights[0].direction = Vec3d(-0.1392, 0.0, 0.9903);
+    request.lights[0].angular_diameter_deg = 2.0;
+    for (const BounceSequence& other : TwoReflectionSequences(*request.lens, false)) {
+        if (other == BounceSequence{8, 4}) continue;
+        ArtistGhost ghost;
+        ghost.sequence.assign(other.begin(), other.end());
+        ghost.mute = true;
+        request.artist.push_back(ghost);
+    }
+    constexpr int kSide = 30;
+    request.image.crop = {{706 - kSide / 2, 270 - kSide / 2, kSide, kSide}};
+    const FlareImage image = studio.Shoot(request).image;
+    const auto [least, most] =
+        std::minmax_element(image.planes[2].values.begin(), image.planes[2].values.end());
+    EXPECT_GT(*least, 0.0F);
+    EXPECT_LT(*most, 1.25F * *least);
 }
 
 // On a frame so wide that nothing leaves it, blurring moves light and keeps it.

@@ -4,6 +4,7 @@
 // blades, energy whatever the pixels, the beam's outline, and a disc against many points.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/optics/paraxial.h"
@@ -105,6 +106,75 @@ TEST(Starburst, HoldsTheSameLightWhateverTheImageAndItsPixels) {
         const Rendering shot = studio.Shoot(request);
         const double flux = shot.report.facts.starburst->flux_mm2;
         EXPECT_NEAR(Light(request, shot.image), flux, 0.01 * flux) << f_number;
+    }
+}
+
+// At 20 degrees the pattern is wider along the meridian than across it: by the beam, narrower
+// there, and by the chief ray's own two scales, 54.99 and 53.01 mm a radian (differences of chief
+// rays found by `flare trace`, 587.6 nm).
+TEST(Starburst, HasTheChiefRaysTwoScalesOffTheAxis) {
+    Studio studio;
+    ThreadPool threads(2);
+    FlareRequest request = Starburst(22.0, 401, 401, 0.2005);
+    request.quality = QualityPreset::kFinal;
+    request.lights = {LightAt(20.0)};
+    const PlacedLight light = *PlaceLight(request, 0);
+    const LightBundle bundle = BundleOf(*request.lens, light);
+    const Iris iris(request.iris, StopForFNumber(*request.lens, 22.0).semi_diameter_mm, 20.0);
+    const auto beam =
+        FindBeamOutline(*request.lens, bundle, light.pose, iris, kWavelength_nm, threads);
+    ASSERT_TRUE(beam);
+    Vec2d lo(1e300, 1e300), hi(-1e300, -1e300);
+    for (const EdgePiece& piece : beam->edge.pieces) {
+        for (const Vec2d& p : piece) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+    }
+    EXPECT_LT(hi.x - lo.x, 0.98 * (hi.y - lo.y));
+    // The frame's middle on the light's image.
+    const Vec2d sensor = studio.Shoot(request).report.facts.lights[0].sensor_mm;
+    request.image.center_offset_mm = Vec2d(0.0, 0.0) - sensor;
+    const FlareImage image = studio.Shoot(request).image;
+    const auto brightest = std::max_element(Values(image).begin(), Values(image).end());
+    const auto at = static_cast<int>(brightest - Values(image).begin());
+    const auto ring = [&](int dx, int dy) {
+        return 0.5 * Pitch(request) *
+               (DarkRing(image, at % 401, at / 401, dx, dy) +
+                DarkRing(image, at % 401, at / 401, -dx, -dy));
+    };
+    const double meridional = 1.21967 * kWavelength_mm * 54.99 / (hi.x - lo.x);
+    const double sagittal = 1.21967 * kWavelength_mm * 53.01 / (hi.y - lo.y);
+    EXPECT_NEAR(ring(1, 0), meridional, 0.007 * meridional);
+    EXPECT_NEAR(ring(0, 1), sagittal, 0.007 * sagittal);
+}
+
+// At f/2.8 a pixel of 0.11 mm is wider than all of the near pattern: from the light's pixel
+// outwards the light falls off as 1 / r^3 does, from the very next pixel on.
+TEST(Starburst, LeavesNoGapBesideTheLight) {
+    Studio studio;
+    const FlareRequest request = Starburst(2.8, 321, 215, 36.0);
+    const Rendering shot = studio.Shoot(request);
+    const std::vector<float>& light = Values(shot.image);
+    const double pitch = Pitch(request);
+    const double flux = shot.report.facts.starburst->flux_mm2;
+    const double diameter = request.lens->first_order().efl_mm / 2.8;
+    // Airy's rings in the mean: D / (4 pi^2 k^3), k = r / (lambda f), over the area and each pixel.
+    const double scale = kWavelength_mm * request.lens->first_order().efl_mm;
+    const double ring =
+        flux * diameter * scale / (4.0 * kPi * kPi * 0.25 * kPi * diameter * diameter);
+    for (int i = 1; i <= 4; ++i) {
+        constexpr int kParts = 40;
+        double mean = 0.0;
+        for (int p = 0; p < kParts * kParts; ++p) {
+            const double x = (i - 0.5 + (p % kParts + 0.5) / kParts) * pitch;
+            const double y = (-0.5 + (p / kParts + 0.5) / kParts) * pitch;
+            mean += ring / std::pow(std::hypot(x, y), 3.0) / (kParts * kParts);
+        }
+        for (const int to : {-i, i}) {
+            const auto at = static_cast<std::size_t>(107 * 321 + 160 + to);
+            EXPECT_NEAR(light[at], mean, 0.1 * mean) << to;
+        }
     }
 }
 

@@ -18,13 +18,13 @@ namespace {
 SourceCell UnitDisc() {
     constexpr int kCorners = 96;
     const double radius = std::sqrt(2.0 * kPi / (kCorners * std::sin(2.0 * kPi / kCorners)));
-    std::vector<Vec2d> outline;
+    std::vector<SourcePatch> patches(1);
     for (int k = 0; k < kCorners; ++k) {
         const double angle = 2.0 * kPi * k / kCorners;
-        outline.push_back(Vec2d(std::cos(angle), std::sin(angle)) * radius);
+        patches[0].outline.push_back(Vec2d(std::cos(angle), std::sin(angle)) * radius);
     }
     Vec2d centroid(0.0);
-    return CellOfOutline(std::move(outline), centroid);
+    return CellOfPatches(std::move(patches), centroid);
 }
 
 TEST(SourceKernel, HasTheMomentsOfTheSourcesImage) {
