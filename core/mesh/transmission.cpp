@@ -10,7 +10,9 @@ namespace {
 
 // Of the table before its last halving, which leaves a sixteenth of it.
 constexpr double kTableError = 1e-6;
-constexpr int kLargestTable = 2048;
+constexpr std::size_t kLargestTable = 8192;
+// Of all tables together: a hundred surfaces of a hundred layers may not ask for gigabytes.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
 // Which four equally spaced points a cubic about x goes through (at the ends the last four), and
 // their weights.
@@ -60,15 +62,15 @@ bool CubicHolds(const std::vector<Sample>& samples, double x, const Sample& exac
     return true;
 }
 
-// `exact` over c = 0 ... 1, halved until a cubic holds at every midpoint; none if that takes too
-// many points.
+// `exact` over c = 0 ... 1, halved until a cubic holds at every midpoint; none if that takes more
+// than `most` intervals.
 template <class Function>
-std::vector<Sample> Refined(const Function& exact) {
+std::vector<Sample> Refined(const Function& exact, std::size_t most) {
     std::vector<Sample> samples;
     for (int i = 0; i <= 16; ++i) samples.push_back(exact(i / 16.0));
     for (bool good = false; !good;) {
         const std::size_t count = samples.size() - 1;
-        if (count > kLargestTable) return {};
+        if (2 * count > most) return {};
         std::vector<Sample> finer(2 * count + 1);
         good = true;
         for (std::size_t i = 0; i < count; ++i) {
@@ -114,6 +116,11 @@ TransmissionTables::TransmissionTables(const Lens& lens, std::vector<double> wav
     }
     if (lens.sensor()) sensor_reflectance_ = lens.sensor()->reflectance;
     const std::size_t bands = wavelengths_nm_.size();
+    const auto coated = static_cast<std::size_t>(std::count_if(
+        faces_.begin(), faces_.end(), [](const Face& face) { return !face.coating.bare(); }));
+    const std::size_t interval_bytes = kQuantities * sizeof(std::array<double, 4>);
+    const std::size_t tables = std::max<std::size_t>(1, coated * bands);
+    most_intervals_ = std::min(kLargestTable, kMostBytes / (tables * interval_bytes));
     tables_.resize(faces_.size() * bands * kQuantities);
     threads.For(static_cast<int>(faces_.size() * bands), [&](int item) {
         BuildTables(lens, item / static_cast<int>(bands), item % static_cast<int>(bands));
@@ -143,11 +150,12 @@ void TransmissionTables::BuildTables(const Lens& lens, int surface, int band) {
         }
         return sample;
     };
-    const std::vector<Sample> samples = Refined(exact);
+    const std::vector<Sample> samples = Refined(exact, most_intervals_);
     for (std::size_t quantity = 0; quantity < kQuantities; ++quantity) {
         Table& table =
             tables_[(s * wavelengths_nm_.size() + static_cast<std::size_t>(band)) * kQuantities +
                     quantity];
+        table.cubics.reserve(samples.empty() ? 0 : samples.size() - 1);
         for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
             table.cubics.push_back(CubicOver(samples, i, quantity));
         }

@@ -8,10 +8,10 @@
 // passage.
 //
 // Coated surfaces are tabulated over c, each table refined until a cubic through its points is
-// within 1e-7 of the characteristic matrix; where a table would need more than 2048 points the
-// matrix itself is evaluated. Bare surfaces are always evaluated. A surface has one table of T,
-// which is the same both ways, and two of R, which differ where a layer absorbs. Immutable once
-// built, so safe from any thread.
+// within 1e-7 of the characteristic matrix; where a table would need more than 8192 points, or all
+// of them more than 256 MB, the matrix itself is evaluated. Bare surfaces are always evaluated. A
+// surface has one table of T, which is the same both ways, and two of R, which differ where a layer
+// absorbs. Immutable once built, so safe from any thread.
 #pragma once
 
 #include <array>
@@ -71,6 +71,8 @@ class TransmissionTables {
 
   private:
     enum Quantity { kTransmittance, kReflectanceFromRare, kReflectanceFromDense, kQuantities };
+
+    std::size_t most_intervals_ = 0;  // of one table
 
     struct Face {
         Coating coating;

@@ -116,6 +116,10 @@ StopSetting StopForFNumber(const Lens& lens, double f_number) {
         lens.rotational() ? y.stop_a1 * y.efl_mm
                           : std::sqrt(std::abs(x.stop_a1 * x.efl_mm * y.stop_a1 * y.efl_mm));
     const LensSurface& stop = lens.surfaces()[static_cast<std::size_t>(lens.stop_index())];
+    // An afocal lens has no f-number that a stop could be set to.
+    if (!std::isfinite(across) || !std::isfinite(f_number)) {
+        return {stop.semi_diameter_mm, lens.f_number(), f_number < lens.f_number()};
+    }
     const double semi_diameter = std::abs(across) / (2.0 * f_number);
     // A request for the lens's very own f-number is not one for less.
     const double rounding = 1e-12 * stop.semi_diameter_mm;

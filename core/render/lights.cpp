@@ -70,8 +70,14 @@ bool InsideLens(const Lens& lens, const PlacedLight& light) {
     return z > front.shape.Sag(at.x, at.y) - kNearestToGlass_mm;
 }
 
+// A light so faint that no float can hold what it adds anywhere is none: shares of it would be
+// denormal, and their ratios no numbers.
+constexpr double kFaintest = 1e-200;
+
 // In linear Rec.709, and its spectrum where that is no plain mix of primaries.
 void SetColor(const FlareRequest& request, const LightSpec& spec, PlacedLight& light) {
+    light.irradiance = Vec3d(0.0, 0.0, 0.0);
+    if (std::max({spec.irradiance.x, spec.irradiance.y, spec.irradiance.z}) < kFaintest) return;
     light.irradiance = spec.irradiance;
     if (request.color == ColorMode::kSpectral) return;
     const ColorSpace space = SpaceOf(request.color);

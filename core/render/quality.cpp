@@ -150,13 +150,32 @@ std::size_t MostCoatingLayers(const Lens& lens) {
     return layers;
 }
 
+namespace {
+
+// Fringes of the lens's thickest coating from 380 to 780 nm, at normal incidence.
+double MostCoatingFringes(const Lens& lens) {
+    double most = 0.0;
+    for (const LensSurface& surface : lens.surfaces()) {
+        double optical_nm = 0.0;
+        for (const CoatingLayer& layer : surface.coating.layers) {
+            optical_nm += layer.material.Index(550.0).real() * layer.thickness_nm;
+        }
+        most = std::max(most, 2.0 * optical_nm * (1.0 / 380.0 - 1.0 / 780.0));
+    }
+    return most;
+}
+
+}  // namespace
+
 int ColourBandsFor(const Lens& lens, const QualitySettings& settings) {
     const std::size_t layers = MostCoatingLayers(lens);
     constexpr int kAll = kSpectrumSamples;
     const int bands = settings.colour_bands;
-    if (layers <= 1 || bands >= kAll) return bands;
-    return layers <= 3 ? std::max(21, std::min(41, bands + 10))
-                       : std::max(31, std::min(61, bands + 20));
+    if (layers == 0 || bands >= kAll) return bands;
+    const int fringes = static_cast<int>(std::min<double>(kAll, 8.0 * MostCoatingFringes(lens)));
+    if (layers == 1) return std::max(bands, fringes);
+    return std::max(fringes, layers <= 3 ? std::max(21, std::min(41, bands + 10))
+                                         : std::max(31, std::min(61, bands + 20)));
 }
 
 }  // namespace flare

@@ -57,7 +57,7 @@ std::size_t MostCoatingLayers(const Lens& lens);
 // The colour bands that a lens needs: the more layers a coating has, the faster its reflectance
 // changes with wavelength. With 21 bands a ghost's colour is right to 0.12 % for one layer but only
 // to 4 % for three and 35 % for a multilayer; with 41 to 0.007, 0.23 and 1.8 %
-// (docs/physics/coatings.md).
+// (docs/physics/coatings.md). A thick stack gets eight bands a fringe, as far as there are any.
 int ColourBandsFor(const Lens& lens, const QualitySettings& settings);
 
 // Wavelengths that geometry is traced and drawn over for colour; light beyond is drawn at the ends.

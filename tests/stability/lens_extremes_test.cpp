@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/optics/paraxial.h"
+#include "core/prescription/prescription_reader.h"
 #include "core/tracing/trace_reference.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
@@ -168,6 +169,18 @@ TEST(TheSmallestLens, HasOneGhostAndIsBlackWithoutLight) {
     const Rendering unlit = studio.Shoot(request);  // no lights at all
     for (const float value : unlit.image.planes[0].values) {
         EXPECT_EQ(value, 0.0F);
+    }
+}
+
+// toml++ takes it for impossible that a letter beyond ASCII is asked whether it is white space.
+TEST(ALetterBehindANumber, IsRefusedAtItsPlace) {
+    for (const char* letter :
+         {"\u0140", "\u00e9", "\u0431", "\u1680", "\u3000", "\ufeff", "\xff"}) {
+        const auto lens =
+            ReadPrescriptionToml(std::string("name = \"x\"\nyear = 1967") + letter + "\n");
+        ASSERT_FALSE(lens.ok()) << letter;
+        EXPECT_EQ(lens.error().code, "bad_lens");
+        EXPECT_FALSE(lens.error().where.empty());
     }
 }
 
