@@ -163,7 +163,7 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
     ASSERT_GT(all.light, 0.0);
     EXPECT_LT(all.miss, GetParam().most_l1 * all.light);
     EXPECT_LT(std::abs(all.gain), GetParam().most_energy * all.light);
-    EXPECT_LT(all.stray, 1e-5 * all.light);
+    EXPECT_LT(all.stray, 1e-4 * all.light);
     // The comparison is between two methods.
     EXPECT_GE(smooth, GetParam().fewest_tiles);
     EXPECT_GE(edges, GetParam().fewest_tiles);
@@ -180,7 +180,9 @@ std::vector<Scene> Scenes() {
     // Near light: small, focused ghosts, whose colours focus apart.
     scenes.push_back({testing::kSeedName, 5.76, 2.8, {7, 0.0, 0.0}, 1.0 / 1200.0});
     scenes.push_back({"tronnier-color-heliar-100mm-f3_5", 4.0, 5.6, {}});
-    scenes.push_back({"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}});
+    Scene fisheye{"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}};
+    fisheye.step = 17;
+    scenes.push_back(fisheye);
     scenes.push_back({"canon-zoom-70-200mm-f2_8", 3.0, 4.0, {9, 0.6, 0.0}});
     // Masks: a star, and a disc with a hole off its middle, shaded on one side.
     Scene star{testing::kSeedName, 5.0, 4.0, {}};

@@ -124,7 +124,7 @@ TEST(MaxError, DrawsFinerUntilTheEstimateKeepsIt) {
     const Result<Rendering> found = bench.Search(request);
     ASSERT_TRUE(found);
     EXPECT_LE(found->report.facts.estimated_error.rel_l1, kErrorMargin * 0.02);
-    EXPECT_GT(*found->quality.tolerance, 0.5 * 0.02 / 1.5);
+    EXPECT_GT(*found->quality.tolerance, 0.4 * 0.02 / 1.5);
     EXPECT_GE(bench.drawn.size(), 1U);
 }
 
