@@ -301,7 +301,10 @@ FittedGhost::FittedGhost(const GhostLight& ghost, const Iris& iris, const Pictur
     CellJets x, y;
     for (std::size_t n = 0; n < ghost.cells.size(); ++n) {
         const GhostLight::Cell& from = ghost.cells[n];
-        if (surface.UseOf(from.place) == CellUse::kTriangle) continue;
+        if (surface.UseOf(from.place) == CellUse::kTriangle) {
+            AddTriangle(from.place);
+            continue;
+        }
         FittedCell& cell = cells_.emplace_back();
         cell.cell = static_cast<int>(n);
         cell.ring = from.ring;
@@ -329,6 +332,33 @@ FittedGhost::FittedGhost(const GhostLight& ghost, const Iris& iris, const Pictur
         }
         if (!cell.open) NeedMasks(cell);
         survey.Add(cell);
+    }
+}
+
+void FittedGhost::AddTriangle(const CellPlace& place) {
+    const GhostSurface& surface = *ghost_.surface;
+    const GhostMesh& mesh = surface.mesh();
+    const MeshGrid& grid = mesh.grids[static_cast<std::size_t>(place.grid)];
+    const auto stored = static_cast<std::size_t>(mesh.stored_count());
+    std::vector<std::array<Vec2d, kTracedInTiles>> corners;
+    for (int corner = 0; corner < 4; ++corner) {
+        const std::size_t v = grid.Vertex(place.i + corner % 2, place.j + corner / 2);
+        if (grid.alive[v] == 0) continue;
+        std::array<Vec2d, kTracedInTiles>& at = corners.emplace_back();
+        for (std::size_t k = 0; k < kTracedInTiles; ++k) {
+            const Vec2d place_mm =
+                mesh.SensorPlace(&grid.nodes[k].fields[v * stored], surface.sensor_gap_mm());
+            at[k] = map_.Pixel(place_mm.x, place_mm.y);
+        }
+    }
+    std::vector<Triangle>& bands = triangles_.emplace_back();
+    for (const GhostLight::Band& band : ghost_.bands) {
+        Triangle& triangle = bands.emplace_back();
+        for (std::size_t c = 0; c < corners.size(); ++c) {
+            triangle[c] = Vec2d(0.0, 0.0);
+            for (std::size_t k = 0; k < kTracedInTiles; ++k)
+                triangle[c] += corners[c][k] * band.node_weights[k];
+        }
     }
 }
 

@@ -60,6 +60,8 @@ struct FittedCell {
     std::array<int, kTracedInTiles> starts{1, 1, 1};
 };
 
+using Triangle = std::array<Vec2d, 3>;  // corners, px
+
 class FittedGhost {
   public:
     // Fits the cells; all arguments must outlive it.
@@ -70,6 +72,8 @@ class FittedGhost {
     std::span<const FittedPart> Parts(const FittedCell& cell) const {
         return {parts_.data() + cell.parts_at, cell.part_count};
     }
+    // The triangles of the mesh, each at all drawn wavelengths.
+    const std::vector<std::vector<Triangle>>& triangles() const { return triangles_; }
     // Fits the masks of a cell, if they are not yet: cells that no mask cuts seldom need them.
     void NeedMasks(FittedCell& cell) {
         if (ghost_.masks.count() > 0 && cell.fits[0].field_count == 0) FitMasks(cell);
@@ -77,11 +81,13 @@ class FittedGhost {
 
   private:
     void FitMasks(FittedCell& cell);
+    void AddTriangle(const CellPlace& place);
 
     const GhostLight& ghost_;
     const PictureMap& map_;
     std::vector<FittedCell> cells_;
     std::vector<FittedPart> parts_;
+    std::vector<std::vector<Triangle>> triangles_;
     std::unique_ptr<CellPolynomial[]> fields_;  // [cell][wavelength][field]: the fits point to it
 };
 

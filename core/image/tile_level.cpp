@@ -64,6 +64,45 @@ TileColour TileLevel::Sums::Scale() const {
     return scale;
 }
 
+void TileLevel::MarkTriangles(const std::vector<Triangle>& triangles, TileBits& bits) const {
+    constexpr double kRoom_px = 2.0;
+    double low = 1e300;
+    double high = -1e300;
+    for (const Triangle& triangle : triangles) {
+        for (const Vec2d& p : triangle) {
+            low = std::min(low, p.y);
+            high = std::max(high, p.y);
+        }
+    }
+    const int first = std::max(FloorTo(static_cast<float>(low - kRoom_px), size), box.y0);
+    const int last = std::min(FloorTo(static_cast<float>(high + kRoom_px), size), box.y1 - 1);
+    for (int y = first; y <= last; ++y) {
+        // Corners within this row of tiles, and where sides enter and leave it.
+        const double above = y * size - kRoom_px;
+        const double below = (y + 1) * size + kRoom_px;
+        double left = 1e300;
+        double right = -1e300;
+        const auto join = [&](double x) {
+            left = std::min(left, x);
+            right = std::max(right, x);
+        };
+        for (const Triangle& triangle : triangles) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vec2d& p = triangle[c];
+                const Vec2d& q = triangle[(c + 1) % 3];
+                if (p.y >= above && p.y <= below) join(p.x);
+                for (const double edge : {above, below}) {
+                    if ((p.y < edge) != (q.y < edge))
+                        join(p.x + (q.x - p.x) * ((edge - p.y) / (q.y - p.y)));
+                }
+            }
+        }
+        if (left > right) continue;
+        bits.Mark({FloorTo(static_cast<float>(left - kRoom_px), size), y,
+                   FloorTo(static_cast<float>(right + kRoom_px), size) + 1, y + 1});
+    }
+}
+
 TileBox TileLevel::Touched(const PixelBox& b) const {
     return {FloorTo(b.x0, size), FloorTo(b.y0, size), FloorTo(b.x1, size) + 1,
             FloorTo(b.y1, size) + 1};

@@ -86,6 +86,9 @@ struct TileLevel {
         return {static_cast<std::size_t>(at[0]), static_cast<std::size_t>(at[1]),
                 static_cast<std::size_t>(below[0]), static_cast<std::size_t>(below[1])};
     }
+    // Marks the tiles that the triangles or what lies between them in a row touch, with a little
+    // room.
+    void MarkTriangles(const std::vector<Triangle>& triangles, TileBits& bits) const;
     // The tiles that a box of pixels touches, and the nodes in it.
     TileBox Touched(const PixelBox& b) const;
     TileBox NodesIn(const PixelBox& b) const;

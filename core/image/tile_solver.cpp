@@ -27,11 +27,8 @@ bool SamePoint(const std::array<float, 2>& a, const std::array<float, 2>& b) {
 }  // namespace
 
 void TileSolver::Run() {
-    for (const GhostLight::Cell& cell : ghost_.cells) {
-        if (cell.ring) continue;
-        if (ghost_.surface->UseOf(cell.place) == CellUse::kTriangle)
-            level_.folded.Mark(level_.Touched(BoxOf(cell)));
-    }
+    for (const std::vector<Triangle>& triangle : fitted_.triangles())
+        level_.MarkTriangles(triangle, level_.folded);
     for (const FittedCell& cell : fitted_.cells()) MarkCell(cell);
     // Where lit parts and shut ones meet in a tile, an edge lies between them.
     for (const TileBits& live : level_.live) level_.cut.MarkCommon(live, level_.shut);

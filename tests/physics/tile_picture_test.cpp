@@ -181,7 +181,7 @@ std::vector<Scene> Scenes() {
     scenes.push_back({testing::kSeedName, 5.76, 2.8, {7, 0.0, 0.0}, 1.0 / 1200.0});
     scenes.push_back({"tronnier-color-heliar-100mm-f3_5", 4.0, 5.6, {}});
     Scene fisheye{"shimizu-fisheye-6mm-f2_8-220deg", 40.0, 4.0, {}};
-    fisheye.step = 17;
+    fisheye.step = 8;
     scenes.push_back(fisheye);
     scenes.push_back({"canon-zoom-70-200mm-f2_8", 3.0, 4.0, {9, 0.6, 0.0}});
     // Masks: a star, and a disc with a hole off its middle, shaded on one side.
