@@ -216,8 +216,11 @@ class Search {
             const float* const row =
                 &traced_.rim_ratio2[static_cast<std::size_t>(s) * traced_.stride];
             for (std::size_t k = 0; k < count; ++k) {
-                const bool passes = (passed_[k] == s) & (met_[k] > s) & (row[k] <= 1.0F);
-                passed_[k] += passes ? 1 : 0;
+                // Ints, so that the compiler need not branch.
+                const int came = passed_[k] == s ? 1 : 0;
+                const int met = met_[k] > s ? 1 : 0;
+                const int within = row[k] <= 1.0F ? 1 : 0;
+                passed_[k] += came & met & within;
             }
         }
         for (std::size_t k = 0; k < count; ++k) {
