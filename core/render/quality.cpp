@@ -29,11 +29,11 @@ std::vector<QualitySettings> MakeAnchors() {
     anchors[1].blur_tolerance = 0.03;
     anchors[1].most_blur_side = 2;
     anchors[1].least_blur_px = 2.0;
-    anchors[2] = {16, 8, 0.05, 0.02, 3, 21, 3.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
+    anchors[2] = {24, 8, 0.05, 0.02, 3, 21, 5.0, 14, 2e-3, {0.1, 0.08, 3.0, 48.0, 0.06}};
     anchors[2].tiles = {0.04, 0.1};
     anchors[2].tolerance = 0.02;
-    anchors[3] = {32, 8, 0.015, 0.006, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
-    anchors[3].tiles = {0.01, 0.04};
+    anchors[3] = {48, 8, 0.015, 0.006, 3, 41, 1.5, 64, 4e-4, {0.05, 0.02, 1.0, 32.0, 0.03}};
+    anchors[3].tiles = {0.01, 0.03};
     anchors[3].tolerance = 0.005;
     anchors[3].blur_tolerance = 0.0025;
     anchors[3].most_blur_side = 8;
