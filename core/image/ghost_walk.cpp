@@ -210,12 +210,12 @@ struct GhostWalk::Work {
     void CutForFringes(std::size_t c, const NetShape& stop, const NetShape& shape, double& u,
                        double& v) const {
         constexpr double kStep_t = 0.3;
-        const double small_px = std::max(1.0, 0.5 * tolerance.smallest_px);
+        constexpr double kSmall_px = 1.0;
         const GhostFringes& fringes = *ghost.fringes;
         const double step_mm =
             kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
-        u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / small_px));
-        v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / small_px));
+        u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / kSmall_px));
+        v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / kSmall_px));
     }
 
     void EvaluateRows(int row) {
