@@ -9,11 +9,14 @@
 
 #include "core/tracing/trace_reference.h"
 #include "tests/support/all_kinds_lens.h"
+#include "tests/support/interaction_list.h"
 #include "tests/support/lenses.h"
 #include "tests/support/random.h"
 
 namespace flare {
 namespace {
+
+using testing::ListOf;
 
 using testing::Random;
 
@@ -30,14 +33,6 @@ Interaction At(const SurfaceShape& shape, double z, double n_in, double n_out,
     step.n_out = n_out;
     step.forward = forward;
     return step;
-}
-
-InteractionList ListOf(std::vector<Interaction> steps, double sensor_z) {
-    InteractionList list;
-    list.steps = std::move(steps);
-    list.sensor_z_mm = sensor_z;
-    list.wavelength_nm = kLineD;
-    return list;
 }
 
 // The same conic as a closed form, and as an asphere whose coefficient does nothing, so that it is

@@ -10,10 +10,13 @@
 #include "core/tracing/trace_columns.h"
 #include "core/tracing/trace_reference.h"
 #include "tests/support/extreme_lenses.h"
+#include "tests/support/interaction_list.h"
 #include "tests/support/random.h"
 
 namespace flare {
 namespace {
+
+using testing::ListOf;
 
 Interaction Surface(double radius_mm, double n_in, double n_out) {
     Interaction step;
@@ -22,14 +25,6 @@ Interaction Surface(double radius_mm, double n_in, double n_out) {
     step.n_in = n_in;
     step.n_out = n_out;
     return step;
-}
-
-InteractionList ListOf(std::vector<Interaction> steps, double sensor_z) {
-    InteractionList list;
-    list.steps = std::move(steps);
-    list.sensor_z_mm = sensor_z;
-    list.wavelength_nm = kLineD;
-    return list;
 }
 
 TraceColumns TraceAll(const InteractionList& list, const std::vector<Ray>& rays) {
@@ -53,7 +48,6 @@ bool Finite(const TraceColumns& out, std::size_t k) {
 
 const Vec3d kAlong(0.0, 0.0, 1.0);
 
-// Rows 1 and 2.
 TEST(AColumnOfGrazingRays, IsMissedBeyondTheSphereAndFiniteOnIt) {
     const InteractionList list = ListOf({Surface(10.0, 1.0, 1.5)}, 100.0);
     std::vector<Ray> rays;
@@ -79,7 +73,6 @@ TEST(AColumnOfGrazingRays, IsMissedBeyondTheSphereAndFiniteOnIt) {
     }
 }
 
-// Rows 5 and 6.
 TEST(AColumnOfTotallyReflectedRays, EndsThereAndGoesOnWhereItIsToBeReflected) {
     std::vector<Ray> rays;
     for (const double angle : {0.0, 20.0, 41.0, 41.7, 41.9, 45.0, 80.0, 89.9}) {
@@ -103,7 +96,7 @@ TEST(AColumnOfTotallyReflectedRays, EndsThereAndGoesOnWhereItIsToBeReflected) {
     }
 }
 
-// Rows 7 and 8: 5e-6 mm is asked for; by the centre of the sphere floats would miss by 0.94 mm.
+// 5e-6 mm is asked for; by the centre of the sphere floats would miss by 0.94 mm.
 TEST(AColumnOnAWeakSurface, KeepsTheDigitsOfAFloat) {
     testing::Random random(4);
     double worst = 0.0;
@@ -130,7 +123,7 @@ TEST(AColumnOnAWeakSurface, KeepsTheDigitsOfAFloat) {
     EXPECT_LT(worst, 5e-6);
 }
 
-// Rows 10 and 26, and every small lens that is at a limit: floats against doubles, on the sensor.
+// Every small lens that is at a limit: floats against doubles, on the sensor.
 TEST(AColumnThroughAnExtremeLens, LandsWhereTheReferenceDoes) {
     testing::Random random(5);
     const Prescription lenses[] = {

@@ -34,7 +34,6 @@ void ExpectRefused(const Prescription& prescription, const std::string& where) {
     EXPECT_FALSE(lens.error().message.empty());
 }
 
-// Row 9.
 TEST(ARimWiderThanItsSphere, IsRefused) {
     Prescription lens = SeedLens();
     lens.surfaces[4].semi_diameter_mm = 12.75;  // the radius itself
@@ -43,7 +42,6 @@ TEST(ARimWiderThanItsSphere, IsRefused) {
     EXPECT_TRUE(Lens::Build(lens).ok());
 }
 
-// Row 25.
 TEST(AnIndexThatNoGlassHas, IsRefused) {
     for (const double nd : {0.999, -1.5, 4.1, 1e9, kNaN, kInfinity}) {
         Prescription lens = SeedLens();
@@ -61,7 +59,6 @@ TEST(AnIndexThatNoGlassHas, IsRefused) {
     EXPECT_EQ(built->MediumBehind(2).Index(400.0), built->MediumBehind(2).Index(700.0));
 }
 
-// Rows 26 and 27.
 TEST(GapsOf, ZeroAreBuiltAndNegativeOnesRefused) {
     Prescription lens = SeedLens();
     lens.surfaces[1].gap_mm = 0.0;
@@ -72,7 +69,7 @@ TEST(GapsOf, ZeroAreBuiltAndNegativeOnesRefused) {
     }
 }
 
-// Row 28, in a picture: a cemented pair of one glass is one glass.
+// In a picture: a cemented pair of one glass is one glass.
 TEST(ACementedPairOfOneGlass, GivesThePictureOfOneElement) {
     Prescription split = PlanoConvex();
     SurfacePrescription inner = Sphere(80.0, 3.0, 1.5, 0.0, 10.0);
@@ -93,7 +90,7 @@ TEST(ACementedPairOfOneGlass, GivesThePictureOfOneElement) {
                 1.0, 2e-3);
 }
 
-// Row 29, in a picture: a step of 1e-7 makes ghosts of no account, and finite numbers.
+// In a picture: a step of 1e-7 makes ghosts of no account, and finite numbers.
 TEST(AnIndexStepOf1e7, MakesGhostsOfNoAccount) {
     Prescription lens = SeedLens();
     lens.surfaces[3].nd = *lens.surfaces[2].nd + 1e-7;
@@ -112,7 +109,6 @@ TEST(AnIndexStepOf1e7, MakesGhostsOfNoAccount) {
     for (const float value : rendering.image.planes[0].values) ASSERT_TRUE(std::isfinite(value));
 }
 
-// Row 31.
 TEST(StopsMissingOrMany, AreRefusedAndFirstOrLastOnesBuilt) {
     Prescription none = SeedLens();
     none.surfaces.erase(none.surfaces.begin() + 5);
@@ -160,7 +156,7 @@ TEST(ATelecentricLens, PlacesLightsByPixel) {
     for (const float value : rendering.image.planes[0].values) ASSERT_TRUE(std::isfinite(value));
 }
 
-// Row 42, the small end: two reflections need two surfaces.
+// The small end: two reflections need two surfaces.
 TEST(TheSmallestLens, HasOneGhostAndIsBlackWithoutLight) {
     const auto built = testing::BuildLens(PlanoConvex());
     EXPECT_EQ(TwoReflectionSequences(*built).size(), 1U);
@@ -184,7 +180,6 @@ TEST(ALetterBehindANumber, IsRefusedAtItsPlace) {
     }
 }
 
-// Rows 40 and 41.
 TEST(ASensorThatCannotStand, IsRefused) {
     Prescription afocal = PlanoConvex();
     afocal.surfaces[1] = Sphere(0.0, 6.0, 1.5, 0.0, 10.0);

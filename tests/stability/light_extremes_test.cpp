@@ -36,7 +36,7 @@ double SoundSum(const Rendering& rendering) {
     return testing::Sum(rendering.image.planes[0]);
 }
 
-// Rows 17 and 18. "Quick" is counted in rays, not seconds: a light in the field needs some 1e5.
+// "Quick" is counted in rays, not seconds: a light in the field needs some 1e5.
 TEST(ALightBesideOrBehindTheCamera, GivesBlackOrNextToNothing) {
     Studio studio;
     FlareRequest request = SeedRequest();
@@ -65,7 +65,7 @@ TEST(ALightExactlyBehind, HasNoPreferredAzimuth) {
     }
 }
 
-// Row 18: a 220-degree fisheye sees light from behind.
+// A 220-degree fisheye sees light from behind.
 TEST(LightFromBehindTheCamera, ReachesTheSensorOfA220DegreeFisheye) {
     const auto lens = testing::LibraryLens(testing::kFisheyeName);
     double last = 0.0;
@@ -109,7 +109,6 @@ TEST(LightFromBehindTheCamera, FlaresInA220DegreeFisheye) {
     EXPECT_LT(facts.sensor_mm.y, 0.0);
 }
 
-// Row 19.
 TEST(TheAzimuthsWrap, LeavesNoMark) {
     Studio studio;
     FlareRequest request = SeedRequest();
@@ -126,7 +125,7 @@ TEST(TheAzimuthsWrap, LeavesNoMark) {
     EXPECT_LT(testing::RelL1(studio.Shoot(request).image, plus), 1e-5);
 }
 
-// Row 20. The front vertex lies 19.9465 mm before the entrance pupil's centre, where distances
+// The front vertex lies 19.9465 mm before the entrance pupil's centre, where distances
 // start.
 TEST(ALightCloseToTheFrontGlass, IsRendered) {
     Studio studio;
@@ -161,7 +160,6 @@ TEST(ALightOnOrInsideTheGlass, IsATypedError) {
     EXPECT_EQ(Render(request, studio.Context()).error().where, "/lights/1/distance_m");
 }
 
-// Row 21.
 TEST(ALightAtTheEndOfTheWorld, IsALightAtInfinity) {
     Studio studio;
     FlareRequest request = SeedRequest();
@@ -172,7 +170,7 @@ TEST(ALightAtTheEndOfTheWorld, IsALightAtInfinity) {
     }
 }
 
-// Row 12: the focused ghost (9,1) puts its light into few pixels.
+// The focused ghost (9,1) puts its light into few pixels.
 TEST(AFocusedGhost, StaysFiniteAtAnyFNumber) {
     Studio studio;
     FlareRequest request = SeedRequest();

@@ -135,7 +135,7 @@ TEST(ABadRequest, NamesItsFieldAndLeavesTheNextOneAlone) {
     EXPECT_TRUE(after.planes[0].values == before.planes[0].values);
 }
 
-// Row 37 and 38, the small ends.
+// The small ends.
 TEST(NoLight, IsBlackAndTwoHalvesAreOne) {
     Studio studio;
     FlareRequest request = Sound();
@@ -149,7 +149,6 @@ TEST(NoLight, IsBlackAndTwoHalvesAreOne) {
     EXPECT_LT(testing::RelL1(studio.Shoot(request).image, one), 1e-7);
 }
 
-// Row 34.
 TEST(IrradiancesAtTheEndsOfTheScale, StayFinite) {
     Studio studio;
     FlareRequest request = Sound();
@@ -165,7 +164,7 @@ TEST(IrradiancesAtTheEndsOfTheScale, StayFinite) {
     }
 }
 
-// Row 33, the small end: the one pixel holds what the frame's pixels hold together.
+// The small end: the one pixel holds what the frame's pixels hold together.
 TEST(AnImageOfOnePixel, HoldsTheFramesLight) {
     Studio studio;
     FlareRequest request = Sound();
@@ -189,7 +188,6 @@ TEST(ANarrowImage, IsRendered) {
     }
 }
 
-// Row 22.
 TEST(AnFNumberBelowTheLensesOwn, IsClampedAndTheReportSaysSo) {
     Studio studio;
     FlareRequest request = Sound();

@@ -10,6 +10,7 @@
 #include "core/tracing/paraxial_ghost.h"
 #include "core/tracing/trace_reference.h"
 #include "tests/support/all_kinds_lens.h"
+#include "tests/support/interaction_list.h"
 #include "tests/support/lenses.h"
 #include "tests/support/random.h"
 #include "tests/support/scalar_tracer.h"
@@ -17,6 +18,8 @@
 
 namespace flare {
 namespace {
+
+using testing::ListOf;
 
 using testing::Assemble;
 using testing::BuildLens;
@@ -33,14 +36,6 @@ Interaction Surface(double radius_mm, double n_in, double n_out, bool forward = 
     return step;
 }
 
-InteractionList ListOf(std::vector<Interaction> steps, double sensor_z) {
-    InteractionList list;
-    list.steps = std::move(steps);
-    list.sensor_z_mm = sensor_z;
-    list.wavelength_nm = kLineD;
-    return list;
-}
-
 const Vec3d kAlong(0.0, 0.0, 1.0);
 
 void ExpectFinite(const TraceResult& ray) {
@@ -50,7 +45,6 @@ void ExpectFinite(const TraceResult& ray) {
     EXPECT_TRUE(std::isfinite(ray.max_rim_ratio2));
 }
 
-// Row 1.
 TEST(ARayThatMissesASphere, IsMissedAndNotClampedToItsEdge) {
     const InteractionList list = ListOf({Surface(10.0, 1.0, 1.5)}, 100.0);
     for (const double h : {10.0 + 1e-9, 10.5, 100.0, 1e8}) {
@@ -64,7 +58,6 @@ TEST(ARayThatMissesASphere, IsMissedAndNotClampedToItsEdge) {
     }
 }
 
-// Row 2.
 TEST(AGrazingRay, LosesItsTransmittanceSmoothlyToNothing) {
     const InteractionList list = ListOf({Surface(10.0, 1.0, 1.5)}, 100.0);
     RayRecord record;
@@ -91,7 +84,6 @@ TEST(AGrazingRay, LosesItsTransmittanceSmoothlyToNothing) {
     ExpectFinite(edge);
 }
 
-// Row 3.
 TEST(IncidenceNear90Degrees, ReflectsAllAndLosesNothing) {
     const Coating coating = BuiltInCoating("mgf2-550")->For(Glass::Air(), Glass::FromNdVd(1.5, {}));
     for (const Coating& c : {Coating{}, coating}) {
@@ -112,7 +104,6 @@ TEST(IncidenceNear90Degrees, ReflectsAllAndLosesNothing) {
     }
 }
 
-// Row 4.
 TEST(ExactlyNormalIncidence, HasTheClosedFormAndGoesStraight) {
     const double r = std::pow((1.0 - 1.5) / (1.0 + 1.5), 2);
     EXPECT_DOUBLE_EQ(ReflectionOf({}, false, 1.0, 1.5, 1.0, 550.0).reflectance, r);
@@ -126,7 +117,6 @@ TEST(ExactlyNormalIncidence, HasTheClosedFormAndGoesStraight) {
     EXPECT_EQ(ray.exit_direction, kAlong);
 }
 
-// Rows 5 and 6.
 TEST(TotalReflection, EndsATransmittedRayAndKeepsAReflectedOneWhole) {
     const double angle = RadiansFromDegrees(45.0);  // critical: 41.8 degrees for 1.5
     const Ray ray{Vec3d(0.0, 0.0, -1.0), Vec3d(std::sin(angle), 0.0, std::cos(angle))};
@@ -151,7 +141,6 @@ TEST(TotalReflection, EndsATransmittedRayAndKeepsAReflectedOneWhole) {
     }
 }
 
-// Row 7.
 TEST(APlane, IsOneHoweverItsRadiusIsWritten) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     std::vector<TraceResult> results;
@@ -168,7 +157,7 @@ TEST(APlane, IsOneHoweverItsRadiusIsWritten) {
     }
 }
 
-// Row 8 (in double; the digits that a centre of curvature 10 km away would cost).
+// In doubles: the digits that a centre of curvature 10 km away would cost.
 TEST(AVeryWeakSurface, KeepsItsDigits) {
     for (const double radius : {1e7, -1e7, 1e12}) {
         const InteractionList list = ListOf({Surface(radius, 1.0, 1.5)}, 50.0);
@@ -186,7 +175,6 @@ TEST(AVeryWeakSurface, KeepsItsDigits) {
     }
 }
 
-// Row 10.
 TEST(NearlyConcentricSurfaces, NeedNoSpecialCase) {
     testing::Random random(1);
     for (const double off : {0.0, 1e-12, 1e-6, -1e-6, 1e-3}) {
@@ -217,7 +205,7 @@ TEST(NearlyConcentricSurfaces, NeedNoSpecialCase) {
     }
 }
 
-// Row 26: surfaces in contact, and sags that overlap off the axis.
+// Surfaces in contact, and sags that overlap off the axis.
 TEST(AZeroGap, IsFineAndOverlapsAreJudgedByOrder) {
     const Prescription touching =
         Assemble("touching", {Stop(0.0, 5.0), Sphere(40.0, 5.0, 1.6, 0.0, 12.0),
@@ -252,7 +240,6 @@ TEST(AZeroGap, IsFineAndOverlapsAreJudgedByOrder) {
     EXPECT_EQ(TraceRay(list, {Vec3d(0.0, 0.0, -5.0), kAlong}, {}, nullptr).fate, RayFate::kArrived);
 }
 
-// Row 28.
 TEST(EqualMediaOnBothSides, ReflectNothingAndMakeNoGhost) {
     Prescription prescription = testing::SeedLens();
     prescription.surfaces[3].nd = prescription.surfaces[2].nd;
@@ -275,7 +262,6 @@ TEST(EqualMediaOnBothSides, ReflectNothingAndMakeNoGhost) {
     EXPECT_EQ(PathWeight(*lens, list, record), 0.0);
 }
 
-// Row 29.
 TEST(AnIndexStepOf1e7, ReflectsItsFifteenthOfDecimals) {
     const double n = 1.6, step = 1e-7;
     const long double exact_step = static_cast<long double>(n + step) - n;

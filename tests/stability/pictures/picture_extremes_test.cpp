@@ -64,7 +64,7 @@ FlareImage Turned(const FlareImage& image, bool mirrored, int quarters) {
     return out;
 }
 
-// Row 15: the eight symmetries of the pixel grid.
+// The eight symmetries of the pixel grid.
 TEST(ALightOnTheAxis, GivesAPictureOfAllEightSymmetries) {
     for (const QualityPreset engine : kEngines) {
         Studio studio;
@@ -79,14 +79,12 @@ TEST(ALightOnTheAxis, GivesAPictureOfAllEightSymmetries) {
                     << quarters << mirrored;
             }
         }
-        // Row 16.
         request.lights = {LightAt(1e-6, 70.0)};
         EXPECT_LT(RelL1(studio.Shoot(request).image, image),
                   engine == QualityPreset::kReference ? 1e-3 : 0.01);
     }
 }
 
-// Row 19.
 TEST(ALightInEveryOctant, GivesTheSamePictureTurned) {
     for (const QualityPreset engine : kEngines) {
         Studio studio;
@@ -106,7 +104,6 @@ TEST(ALightInEveryOctant, GivesTheSamePictureTurned) {
     }
 }
 
-// Row 33.
 TEST(ThePixelOfAOnePixelImage, HoldsTheFramesLight) {
     Studio studio;
     FlareRequest request = Small(Singlet());
@@ -138,7 +135,6 @@ TEST(ACropOfA16kImage, IsDrawnAndTheWholeIsRefused) {
     }
 }
 
-// Row 34.
 TEST(Irradiance, IsAFactorAndNothingElse) {
     for (const QualityPreset engine : kEngines) {
         Studio studio;
@@ -172,7 +168,7 @@ TEST(Irradiance, IsAFactorAndNothingElse) {
 }
 
 #if defined(__SSE2__)
-// Row 35. Threads take over the mode of the thread that starts them.
+// Threads take over the mode of the thread that starts them.
 TEST(FlushingDenormals, ChangesNothing) {
     for (const QualityPreset engine : kEngines) {
         for (const double k : {1.0, 1e-36}) {
@@ -196,7 +192,7 @@ TEST(FlushingDenormals, ChangesNothing) {
 }
 #endif
 
-// Rows 37 and 38. The lights are one, so that a mesh is traced once: what a hundred thousand cost
+// The lights are one, so that a mesh is traced once: what a hundred thousand cost
 // is what adding a light costs.
 TEST(AHundredThousandLights, AddUpInOnePicture) {
     Studio studio;
@@ -226,7 +222,6 @@ TEST(CoincidentLights, AreOneLight) {
     }
 }
 
-// Row 39.
 TEST(ALensWhoseGhostsAreAllLeftOut, GivesBlackAndACount) {
     Studio studio;
     FlareRequest request = Small(Singlet());
@@ -238,7 +233,6 @@ TEST(ALensWhoseGhostsAreAllLeftOut, GivesBlackAndACount) {
     EXPECT_GT(rendering.report.facts.culled_flux_mm2, 0.0);
 }
 
-// Row 42.
 TEST(OneSurface, IsNoLensAndSixtyHave1770Ghosts) {
     // Glass to the sensor is no lens, and neither is a face between air and air.
     Prescription one = testing::Assemble(
@@ -270,7 +264,7 @@ TEST(OneSurface, IsNoLensAndSixtyHave1770Ghosts) {
     EXPECT_EQ(refused.error().code, "bad_lens");
 }
 
-// Row 41: no f-number fits an afocal lens; its stop is wide open, whatever is asked.
+// No f-number fits an afocal lens; its stop is wide open, whatever is asked.
 TEST(AnAfocalLens, IsDrawnWithItsStopWideOpen) {
     Prescription afocal = testing::PlanoConvex();
     afocal.surfaces[1] = testing::Sphere(0.0, 6.0, 1.5, 0.0, 10.0);
@@ -292,7 +286,6 @@ TEST(AnAfocalLens, IsDrawnWithItsStopWideOpen) {
     }
 }
 
-// Row 43.
 TEST(ThreadsAndCaches, LeaveTheBitsAlone) {
     for (const QualityPreset engine : kEngines) {
         FlareRequest request = Small(Singlet());
@@ -317,7 +310,6 @@ Prescription Dispersive() {
     return lens;
 }
 
-// Row 24.
 TEST(WavelengthsBeyondTheVisible, AreDrawnByBothEngines) {
     const Glass glass = Glass::FromNdVd(1.7, 25.0);
     double last = 10.0;
@@ -337,7 +329,7 @@ TEST(WavelengthsBeyondTheVisible, AreDrawnByBothEngines) {
     EXPECT_LT(RelL1(preview, reference), 0.02);
 }
 
-// Row 45: a picture at many wavelengths holds at each what it holds alone.
+// A picture at many wavelengths holds at each what it holds alone.
 TEST(AThousandWavelengths, EachHoldWhatTheyHoldAlone) {
     Studio studio;
     FlareRequest request = Small(Dispersive());
