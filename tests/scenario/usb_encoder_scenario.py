@@ -229,11 +229,12 @@ class UsbEncoderScenario(EncoderChecks):
                                    (sent["c"] - 1) / 1000)
 
     def test_a_turn_is_seen_within_milliseconds(self):
-        # From a record that is due to the state that requests see. Where nobody may go before others,
-        # only that the typical turn is seen soon; other programs may take the rest of the time.
+        # From a record that is due to the state that requests see, of the quickest quarter: a reader
+        # that polls, or a latency timer left at 16 ms, delays nearly every record, while a busy machine
+        # delays those it likes. tests/bench/encoder_latency.py measures the slowest hundredth.
+        share = 0.25
         with Bus() as bus:
-            first = hardware_goes_first(bus.process.pid)
-            share = 0.99 if first else 0.5
+            hardware_goes_first(bus.process.pid)
             with self.daemon(QSB) as daemon:
                 offset_s = time.time() - time.monotonic()
                 bus("add q qsb 1")
