@@ -19,6 +19,8 @@ constexpr std::array kParameters{
               "threads that share one request; 0: one a core"},
     Parameter{"workers", &Config::workers, 0, 1'024, "requests rendered at once; 0: one a core"},
     Parameter{"cache_mb", &Config::cache_mb, 0, 1 << 20, "MiB of ghost meshes kept"},
+    Parameter{"ghost_cache_mb", &Config::ghost_cache_mb, 0, 1 << 20,
+              "MiB of ghosts kept as they were drawn"},
     Parameter{"disk_cache_mb", &Config::disk_cache_mb, 0, 1 << 24,
               "MiB of ghost meshes kept on disk; 0: none"},
     Parameter{"picture_mb", &Config::picture_mb, 0, 1 << 24,

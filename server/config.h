@@ -28,6 +28,7 @@ struct Config {
     std::int64_t threads = 0;  // 0: one a core
     std::int64_t workers = 0;  // 0: one a core
     std::int64_t cache_mb = 1'024;
+    std::int64_t ghost_cache_mb = 256;   // 0: no ghost is kept
     std::int64_t disk_cache_mb = 4'096;  // 0: no disk cache
     std::int64_t picture_mb = 0;         // 0: half of the machine's memory
     std::int64_t queue = 64;

@@ -21,6 +21,7 @@ struct CacheReadings {
     CacheStats meshes;
     std::uint64_t rays_traced = 0;  // for all meshes that were ever built
     DiskCacheStats disk{};          // zeros where there is none
+    CacheStats ghosts{};            // kept as they were drawn
 };
 
 struct EncoderCounts {

@@ -23,6 +23,7 @@
 #include "protocol/limits.h"
 #include "protocol/openapi.h"
 #include "server/cache/disk_cache.h"
+#include "server/cache/ghost_cache.h"
 #include "server/cache/mesh_cache.h"
 #include "server/cache/program_identity.h"
 #include "server/config.h"
@@ -204,11 +205,12 @@ std::vector<EncoderCounts> CountsOf(const EncoderSet& encoders, const WarmAhead&
 }
 
 DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, MeshCache& meshes,
-                            const DiskCache* disk, const EncoderSet& encoders, WarmAhead& ahead) {
+                            const DiskCache* disk, GhostCache& ghosts, const EncoderSet& encoders,
+                            WarmAhead& ahead) {
     const auto spare = std::make_shared<SpareBytes>();
     const auto context = [&, spare](const CancelToken& cancel) {
-        return ServiceContext{lenses, threads,     meshes,    cancel,
-                              NowMs,  spare.get(), &encoders, &ahead};
+        return ServiceContext{lenses,      threads,   meshes, cancel, NowMs,
+                              spare.get(), &encoders, &ahead, &ghosts};
     };
     DaemonServices services;
     services.spare = spare;
@@ -233,9 +235,9 @@ DaemonServices ServicesFrom(const LensLibrary& lenses, ThreadPool& threads, Mesh
     services.encoder_counts = [&encoders, &ahead] { return CountsOf(encoders, ahead); };
     services.lens_list = LensListJson(lenses);
     services.openapi = OpenApiDocument();
-    services.cache = [&meshes, disk] {
+    services.cache = [&meshes, disk, &ghosts] {
         return CacheReadings{meshes.stats(), meshes.rays_traced(),
-                             disk ? disk->stats() : DiskCacheStats{}};
+                             disk ? disk->stats() : DiskCacheStats{}, ghosts.stats()};
     };
     return services;
 }
@@ -290,12 +292,13 @@ int Serve(const Config& config) {
     ThreadPool threads(static_cast<int>(config.threads));
     const std::unique_ptr<DiskCache> disk = DiskCacheFrom(config);
     MeshCache meshes(static_cast<std::size_t>(config.cache_mb) * kMiB, disk.get());
+    GhostCache ghosts(static_cast<std::size_t>(config.ghost_cache_mb) * kMiB);
     WarmAhead ahead(
         *lenses, [&set = **encoders](std::string_view name) { return set.Find(name); },
         static_cast<std::size_t>(config.cache_mb) * kMiB / kCacheShareAhead);
     MeshesInMemory meshes_ahead(meshes);
     Daemon daemon(OptionsFrom(config),
-                  ServicesFrom(*lenses, threads, meshes, disk.get(), **encoders, ahead),
+                  ServicesFrom(*lenses, threads, meshes, disk.get(), ghosts, **encoders, ahead),
                   std::move(*sockets));
     std::optional<SourceThread> follower;
     if (!config.encoders.empty()) {

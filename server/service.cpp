@@ -63,7 +63,8 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     if (*encoder) SetTStop(**encoder, wire_request, *request);
 
     Result<Rendering> rendering =
-        Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms});
+        Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms,
+                          context.ghosts});
     if (!rendering) return rendering.error();
     FlareImage& image = rendering->image;
     Report& report = rendering->report;

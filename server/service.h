@@ -22,6 +22,8 @@ namespace flare {
 
 enum class ReplyFormat { kExr, kPng, kHalfPlanes };
 
+class GhostKeeper;
+
 struct ServiceContext {
     const LensLibrary& lenses;
     ThreadPool& threads;
@@ -31,6 +33,7 @@ struct ServiceContext {
     SpareBytes* spare = nullptr;           // where replies have their memory from, or none
     const EncoderSet* encoders = nullptr;  // that requests may name; null: none
     WarmAhead* ahead = nullptr;            // is told what was asked of encoders; null: nobody
+    GhostKeeper* ghosts = nullptr;         // where ghosts are kept; null: nowhere
 };
 
 // Counted once a request for /metrics.

@@ -56,10 +56,14 @@ float Bilinear(const StopPlane& plane, const Vec2d& p, float outside) {
 StopCells::StopCells(int side, std::vector<float> values, bool sharp_edges) : sharp(sharp_edges) {
     FLARE_CHECK(side > 0 &&
                 values.size() == static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    Fingerprinter name;
+    name.Add(side).Add(sharp_edges);
     for (const float value : values) {
         FLARE_CHECK(value >= 0.0F && std::isfinite(value));
         area += static_cast<double>(value);
+        name.Add(static_cast<double>(value));
     }
+    fingerprint = name.value();
     levels.push_back({side, std::move(values)});
     MakeLevels();
     if (sharp) {

@@ -45,6 +45,7 @@ struct StopCells {
     StopPlane light_shade, dark_shade;  // on both sides of edges; empty: 1 and 0
     std::vector<std::vector<Vec2d>> outlines;
     double area = 0.0, outer_radius = 0.0, clear_radius = 0.0;
+    Fingerprint fingerprint;  // of the values
 };
 
 }  // namespace flare

@@ -55,6 +55,12 @@ std::shared_ptr<const StopPicture> StopPicture::Placed(double half_width_mm,
     return std::shared_ptr<const StopPicture>(new StopPicture(cells_, half_width_mm, turn_rad));
 }
 
+Fingerprint StopPicture::fingerprint() const {
+    Fingerprinter name;
+    name.Add(cells_->fingerprint).Add(half_width_).Add(across_.x).Add(across_.y);
+    return name.value();
+}
+
 std::vector<std::vector<Vec2d>> StopPicture::Outlines() const {
     std::vector<std::vector<Vec2d>> loops = cells_->outlines;
     for (std::vector<Vec2d>& loop : loops) {

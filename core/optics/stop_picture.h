@@ -21,6 +21,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/fingerprint.h"
 #include "core/base/vec.h"
 
 namespace flare {
@@ -96,6 +97,8 @@ class StopPicture {
     // Exactly 1 nearer to the centre than this; may be 0.
     double clear_radius() const { return clear_radius_; }
     double half_width_mm() const { return half_width_; }
+    // Of values, size and turn.
+    Fingerprint fingerprint() const;
     double cell_mm() const { return 1.0 / per_cell_; }
     // The edges of a sharp picture: closed loops, anticlockwise around light and clockwise around
     // holes, the last point joined to the first.

@@ -352,7 +352,7 @@ LightPlanes BlurredGhosts::Draw(const Group& group, std::vector<TiledGhost> ghos
     Box box;
     for (const TiledGhost& ghost : ghosts) {
         if (group.canvas.tiles) {
-            AddTiles(ghost.tiles, box);
+            if (ghost.tiles) AddTiles(*ghost.tiles, box);
             continue;
         }
         for (const GhostLight::Cell& cell : ghost.light.cells)

@@ -36,6 +36,7 @@ BokehLayer::BokehLayer(const RenderScene& scene, const RenderContext& context, R
                    context.threads),
       picture_(scene.window, scene.spectral() ? static_cast<int>(scene.channel_count()) : 0) {
     report_.facts.bokeh.emplace();
+    builder_.MakeTables();
 }
 
 void BokehLayer::Add(const PlacedLight& light) {

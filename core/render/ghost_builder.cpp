@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/base/units.h"
 #include "core/image/cell_fits.h"
 #include "core/mesh/mesh_builder.h"
@@ -55,15 +56,21 @@ PictureMap GhostCanvas::MapOnto(PictureMap map) const {
 GhostBuilder::GhostBuilder(const RenderScene& scene, const RenderContext& context)
     : scene_(scene),
       context_(context),
-      tables_(scene.lens,
-              scene.spectral()
-                  ? scene.request.wavelengths_nm
-                  : EvenInWavelength(kSpectrumFirst_nm, SampleWavelength(kSpectrumSamples - 1),
-                                     ColourBandsFor(scene.lens, scene.settings)),
-              context.threads),
-      flux_tables_(scene.lens, {scene.spectral() ? scene.request.wavelengths_nm.front() : kLineD},
-                   context.threads),
       bounded_nm_(BoundingWavelengths(scene)) {}
+
+void GhostBuilder::MakeTables() {
+    if (tables_) return;
+    const std::vector<double>& asked = scene_.request.wavelengths_nm;
+    const bool spectral = scene_.spectral();
+    tables_.emplace(
+        scene_.lens,
+        spectral ? asked
+                 : EvenInWavelength(kSpectrumFirst_nm, SampleWavelength(kSpectrumSamples - 1),
+                                    ColourBandsFor(scene_.lens, scene_.settings)),
+        context_.threads);
+    flux_tables_.emplace(scene_.lens, std::vector<double>{spectral ? asked.front() : kLineD},
+                         context_.threads);
+}
 
 // Of a ghost that is drawn with a weight, and with what an artist asks of it.
 LightColour GhostBuilder::ColourOf(const PlacedLight& light, const BounceSequence& sequence,
@@ -131,6 +138,7 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const Bounc
 GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
                                         double weight, bool with_flux,
                                         const GhostCanvas& canvas) const {
+    FLARE_CHECK(tables_);
     Located located = Locate(light, sequence, canvas);
     Built built;
     built.work = located.work;
@@ -145,7 +153,7 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
     const LightBundle bundle = BundleOf(lens, light);
     if (with_flux) {
         built.flux_mm2 =
-            EstimateOf(surface, bundle, lens, flux_tables_, scene_.iris, light.pose).flux_mm2;
+            EstimateOf(surface, bundle, lens, *flux_tables_, scene_.iris, light.pose).flux_mm2;
     }
     const PictureMap map = canvas.MapOnto(MapOf(scene_.request, light.pose));
     MaskFields masks;
@@ -160,7 +168,7 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
     colour.dispersion_px = located.dispersion_px;
     if (plan.fringes) colour.least_drawn = std::min(kFringeBands, colour.most_drawn);
     GhostLight& ghost = built.ghost.light;
-    ghost = PrepareGhost(located.surface, bundle, lens, tables_, colour, std::move(cells));
+    ghost = PrepareGhost(located.surface, bundle, lens, *tables_, colour, std::move(cells));
     if (plan.fringes) {
         FillTables(scene_.iris, ghost, scene_.spectral(), *plan.fringes);
         ghost.fringes = std::move(plan.fringes);
@@ -171,8 +179,8 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
     }
     if (canvas.tiles) {
         ghost.masks = std::move(masks);
-        built.ghost.tiles =
-            TilesOf(ghost, scene_.iris, map, canvas.window, *scene_.settings.tiles, canvas.unit);
+        built.ghost.tiles = std::make_shared<const GhostTiles>(
+            TilesOf(ghost, scene_.iris, map, canvas.window, *scene_.settings.tiles, canvas.unit));
     }
     return built;
 }

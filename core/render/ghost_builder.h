@@ -37,6 +37,9 @@ class GhostBuilder {
     // The arguments must outlive the builder.
     GhostBuilder(const RenderScene& scene, const RenderContext& context);
 
+    // Before the first ghost is built; takes all threads. Does nothing when called again.
+    void MakeTables();
+
     // Where a ghost lands, before it gets any light.
     struct Located {
         std::shared_ptr<const GhostSurface> surface;  // null if nothing passes
@@ -71,8 +74,8 @@ class GhostBuilder {
 
     const RenderScene& scene_;
     const RenderContext& context_;
-    TransmissionTables tables_;
-    TransmissionTables flux_tables_;
+    // Of the drawn bands, and of the wavelength that fluxes are told at.
+    std::optional<TransmissionTables> tables_, flux_tables_;
     std::vector<double> bounded_nm_;  // wavelengths that bound where the ghost lands
 };
 

@@ -8,6 +8,7 @@
 #include "core/base/units.h"
 #include "core/render/fringe_plan.h"
 #include "core/render/ghost_choice.h"
+#include "core/render/kept_ghost.h"
 
 namespace flare {
 namespace {
@@ -81,38 +82,72 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
     return std::nullopt;
 }
 
-std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
-                                          bool reported) {
-    const double t0 = context_.now_ms();
-    std::vector<GhostBuilder::Built> built(planned.size());
+// The ghosts that were kept, and those made now.
+std::vector<GhostLayer::Batched> GhostLayer::Gather(const PlacedLight& light,
+                                                    std::span<const PlannedGhost> planned,
+                                                    bool reported) {
+    std::vector<Batched> batch(planned.size());
+    if (context_.ghosts && canvas_.tiles) {
+        const GhostKeys keys(scene_, light, canvas_, reported);
+        for (std::size_t n = 0; n < planned.size(); ++n) {
+            const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
+            batch[n].key = keys.Of(sequence, planned[n].weight);
+            batch[n].kept = context_.ghosts->Find(batch[n].key);
+        }
+    }
+    if (std::all_of(batch.begin(), batch.end(), [](const Batched& one) { return one.kept; })) {
+        return batch;
+    }
+    builder_.MakeTables();
     context_.threads.For(static_cast<int>(planned.size()), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
-        built[n] = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
-                                  reported, canvas_);
+        if (batch[n].kept) return;
+        batch[n].built = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence,
+                                        ghost.weight, reported, canvas_);
     });
+    return batch;
+}
+
+std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
+                                          bool reported) {
+    const double t0 = context_.now_ms();
+    std::vector<Batched> batch = Gather(light, planned, reported);
     std::vector<TiledGhost> ghosts;
+    std::vector<LeftPixels> left(batch.size());
     for (std::size_t n = 0; n < planned.size(); ++n) {
         PlannedGhost& ghost = planned[n];
-        ghost.miss = built[n].miss;
-        ghost.dispersion_step_px = built[n].dispersion_step_px.value_or(ghost.dispersion_step_px);
+        GhostBuilder::Built& built = batch[n].built;
+        if (batch[n].kept) built = BuiltOf(*batch[n].kept);
+        ghost.miss = built.miss;
+        ghost.dispersion_step_px = built.dispersion_step_px.value_or(ghost.dispersion_step_px);
         error_.AddDrawn(ghost.sample, ghost.weight, ghost.dispersion_step_px, ghost.miss);
         GhostFacts& facts = report_.facts.ghosts[ghost.index];
-        facts.flux_mm2 += light.share * built[n].flux_mm2;
-        JoinRinging(built[n].ringing, facts.ringing);
+        facts.flux_mm2 += light.share * built.flux_mm2;
+        JoinRinging(built.ringing, facts.ringing);
         facts.model = facts.ringing.model;
-        report_.work.Add(built[n].work);
-        ghosts.push_back(std::move(built[n].ghost));
+        report_.work.Add(built.work);
+        ghosts.push_back(std::move(built.ghost));
+        if (context_.ghosts && !batch[n].kept && ghosts.back().tiles) {
+            left[n] = LeftPixels(*ghosts.back().tiles);
+        }
     }
     const double t1 = context_.now_ms();
     report_.work.mesh_ms += t1 - t0;
     if (context_.cancel.cancelled()) return std::nullopt;
     const PictureMap map = MapOf(scene_.request, light.pose);
-    picture_.Draw(ghosts, map, report_.work);
+    picture_.Draw(ghosts, map, report_.work, left);
     for (std::size_t n = 0; split_ && n < ghosts.size(); ++n) {
         const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
         if (std::optional<Error> error = split_->Add(sequence, ghosts[n], map, report_.work))
             return error;
+    }
+    if (context_.ghosts && canvas_.tiles && !context_.cancel.cancelled()) {
+        for (std::size_t n = 0; n < batch.size(); ++n) {
+            if (batch[n].kept) continue;
+            batch[n].built.ghost = std::move(ghosts[n]);
+            context_.ghosts->Keep(batch[n].key, KeptOf(batch[n].built, std::move(left[n])));
+        }
     }
     report_.work.raster_ms += context_.now_ms() - t1;
     return std::nullopt;
@@ -135,6 +170,7 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
             jobs.push_back({&planned[n], &facts.sequence, choices[n]});
         }
     }
+    builder_.MakeTables();
     if (!blurred_) blurred_.emplace(scene_, context_, builder_, planner_, canvas_);
     const std::vector<BlurredGhosts::Drawn> drawn =
         blurred_->Add(disc, part, light, jobs, reported, report_.work);

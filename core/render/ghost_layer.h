@@ -11,6 +11,7 @@
 
 #include "core/render/blurred_ghosts.h"
 #include "core/render/ghost_builder.h"
+#include "core/render/kept_ghost.h"
 #include "core/render/ghost_list.h"
 #include "core/render/ghost_plan.h"
 #include "core/render/ghost_split.h"
@@ -46,6 +47,14 @@ class GhostLayer {
     // One direction; of a light that is no point, a part of it.
     std::optional<Error> AddLight(const PlacedLight& light, const SourceDisc* disc,
                                   const SourceSquare& part, bool reported);
+    // A ghost of a batch: kept, or built.
+    struct Batched {
+        Fingerprint key;
+        std::shared_ptr<const KeptGhost> kept;
+        GhostBuilder::Built built;
+    };
+    std::vector<Batched> Gather(const PlacedLight& light, std::span<const PlannedGhost> planned,
+                                bool reported);
     std::optional<Error> AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
                                   bool reported);
     // Draws those that blur is to be seen in, and leaves the others.

@@ -30,14 +30,15 @@ GhostPicture::GhostPicture(const RenderScene& scene, const RenderContext& contex
                    BrightestChannel(request.lights));
 }
 
-void GhostPicture::Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map, Work& work) {
+void GhostPicture::Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map, Work& work,
+                        std::span<LeftPixels> kept) {
     const auto count = [&](const auto& drawn) {
         work.polygons += drawn.pieces;
         work.fragments += drawn.fragments;
     };
     if (tiles_) {
         count(tiles_->Draw(ghosts, scene_.iris, tiles_->MapFromMiddle(map), scene_.settings.walk,
-                           context_.threads, context_.cancel));
+                           context_.threads, context_.cancel, kept));
         return;
     }
     std::vector<GhostLight> lights;

@@ -24,7 +24,8 @@ class GhostPicture {
 
     // Adds the ghosts in the order given; they are as before when it returns. `map` is MapOf the
     // light. Work: polygons and fragments.
-    void Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map, Work& work);
+    void Draw(std::vector<TiledGhost>& ghosts, const PictureMap& map, Work& work,
+              std::span<LeftPixels> kept = {});
 
     // Light in a pixel times `scale`.
     LayerPlanes Resolve(double scale) const;

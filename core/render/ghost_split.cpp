@@ -28,7 +28,7 @@ GhostSplit::GhostSplit(const RenderScene& scene, const RenderContext& context)
 
 std::optional<Error> GhostSplit::Add(const BounceSequence& sequence, TiledGhost& ghost,
                                      const PictureMap& map, Work& work) {
-    if (ghost.light.cells.empty()) return std::nullopt;
+    if (!ghost.tiles && ghost.light.cells.empty()) return std::nullopt;
     const auto known = layers_.find(sequence);
     if (known == layers_.end()) {
         if (std::optional<Error> error = CheckSplitLayers(scene_, layers_.size() + 1)) return error;

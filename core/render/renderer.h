@@ -16,12 +16,15 @@
 
 namespace flare {
 
+class GhostKeeper;
+
 // What the renderer borrows from its caller. Nothing here changes the image.
 struct RenderContext {
     ThreadPool& threads;
     MeshProvider& meshes;
     CancelToken cancel;
     std::function<double()> now_ms;  // a monotonic clock for the report
+    GhostKeeper* ghosts = nullptr;   // where ghosts are kept from picture to picture; null: nowhere
 };
 
 struct Rendering {

@@ -137,6 +137,7 @@ struct Work {
     std::uint64_t fragments = 0;     // pixels touched, counted once a piece
     std::uint64_t mesh_hits = 0, mesh_misses = 0;
     std::uint64_t mesh_disk_hits = 0;  // those of mesh_hits that were read from disk
+    std::uint64_t ghost_hits = 0;      // those of mesh_hits whose tiles were kept as well
     // Setup: coating tables, plans and the picture's memory, before the first light.
     std::optional<SearchWork> search;
     double setup_ms = 0.0, cull_ms = 0.0, mesh_ms = 0.0, raster_ms = 0.0, resolve_ms = 0.0;
@@ -152,6 +153,7 @@ struct Work {
         mesh_hits += part.mesh_hits;
         mesh_misses += part.mesh_misses;
         mesh_disk_hits += part.mesh_disk_hits;
+        ghost_hits += part.ghost_hits;
     }
 };
 

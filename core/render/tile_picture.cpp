@@ -18,6 +18,19 @@ int FloorDiv(int value, int by) {
     return value >= 0 ? value / by : -((-value + by - 1) / by);
 }
 
+constexpr std::size_t kLeftTilePixels = std::size_t{kFinest} * kFinest;
+constexpr std::size_t kLeftNumbers = 3 * kLeftTilePixels;
+using LeftTile = std::array<float, kLeftNumbers>;
+
+// Where the numbers of tile (x, y) begin.
+std::size_t LeftAt(const GhostTiles& tiles, const LeftPixels& pixels, int x, int y) {
+    const auto row = static_cast<std::size_t>(y - tiles.left_y);
+    const auto begin = tiles.left.begin() + static_cast<std::ptrdiff_t>(row) * tiles.left_width;
+    const auto before = std::count_if(begin, begin + (x - tiles.left_x),
+                                      [](std::uint8_t left) { return left != 0; });
+    return (pixels.row_at[row] + static_cast<std::size_t>(before)) * kLeftNumbers;
+}
+
 // Passes on only the pieces that touch tiles of a block that are left to polygons.
 class LeftSink final : public PieceSink {
   public:
@@ -58,6 +71,18 @@ class LeftSink final : public PieceSink {
 };
 
 }  // namespace
+
+LeftPixels::LeftPixels(const GhostTiles& tiles) {
+    std::uint32_t count = 0;
+    for (std::size_t row = 0; row < static_cast<std::size_t>(tiles.left_height); ++row) {
+        row_at.push_back(count);
+        const auto begin =
+            tiles.left.begin() + static_cast<std::ptrdiff_t>(row) * tiles.left_width;
+        count += static_cast<std::uint32_t>(std::count_if(
+            begin, begin + tiles.left_width, [](std::uint8_t left) { return left != 0; }));
+    }
+    rgb.resize(count * kLeftNumbers);
+}
 
 struct TilePicture::Strip {
     int y0 = 0, y1 = 0;            // rows of the padded window
@@ -105,7 +130,8 @@ PixelWindow TilePicture::FromMiddle(const PixelWindow& window) const {
 
 TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris,
                                      const PictureMap& map, const WalkTolerance& tolerance,
-                                     ThreadPool& threads, const CancelToken& cancel) {
+                                     ThreadPool& threads, const CancelToken& cancel,
+                                     std::span<LeftPixels> kept) {
     const int strips = (padded_.height + kBlock - 1) / kBlock;
     std::vector<Drawn> drawn(static_cast<std::size_t>(strips));
     MakeRoom(ghosts);
@@ -113,12 +139,20 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
         Strip strip;
         strip.y0 = padded_.y + s * kBlock;
         strip.y1 = std::min(strip.y0 + kBlock, padded_.y + padded_.height);
-        for (const TiledGhost& ghost : ghosts) {
+        for (std::size_t n = 0; n < ghosts.size(); ++n) {
+            const TiledGhost& ghost = ghosts[n];
             if (cancel.cancelled()) return;
+            if (!ghost.tiles) continue;
             Drawn& sum = drawn[static_cast<std::size_t>(s)];
-            DrawSmooth(ghost.tiles, strip, sum);
+            DrawSmooth(*ghost.tiles, strip, sum);
             DrawEdges(ghost, iris, strip, sum);
-            if (ghost.tiles.any_left) DrawLeft(ghost, iris, map, tolerance, strip, sum);
+            if (!ghost.tiles->any_left) continue;
+            if (ghost.left) {
+                AddLeft(ghost, strip, sum);
+                continue;
+            }
+            LeftPixels* const keep = kept.empty() || kept[n].rgb.empty() ? nullptr : &kept[n];
+            DrawLeft(ghost, iris, map, tolerance, strip, keep, sum);
         }
     });
     Drawn sum;
@@ -133,7 +167,8 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
 void TilePicture::MakeRoom(const std::vector<TiledGhost>& ghosts) {
     std::array<bool, kTileLevels> wanted{};
     for (const TiledGhost& ghost : ghosts) {
-        for (const SmoothTile& tile : ghost.tiles.smooth)
+        if (!ghost.tiles) continue;
+        for (const SmoothTile& tile : ghost.tiles->smooth)
             wanted[static_cast<std::size_t>(tile.level)] = true;
     }
     for (std::size_t l = 0; l < kTileLevels; ++l) {
@@ -162,7 +197,7 @@ void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn&
 
 void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip,
                             Drawn& drawn) {
-    const GhostTiles& tiles = ghost.tiles;
+    const GhostTiles& tiles = *ghost.tiles;
     const GhostFringes* const fringes = ghost.light.fringes.get();
     TilePixels pixels;
     std::vector<float> pass;
@@ -211,8 +246,9 @@ void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Str
 }
 
 void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
-                           const WalkTolerance& tolerance, Strip& strip, Drawn& drawn) {
-    const GhostTiles& tiles = ghost.tiles;
+                           const WalkTolerance& tolerance, Strip& strip, LeftPixels* kept,
+                           Drawn& drawn) {
+    const GhostTiles& tiles = *ghost.tiles;
     const int first_y = std::max(tiles.left_y * kFinest, strip.y0);
     const int end_y = std::min((tiles.left_y + tiles.left_height) * kFinest, strip.y1);
     if (end_y <= first_y) return;
@@ -235,15 +271,15 @@ void TilePicture::DrawLeft(const TiledGhost& ghost, const Iris& iris, const Pict
         if (right == x) continue;
         left.width = right - left.x;
         left.height = bottom - left.y;
-        DrawBlock(ghost, left, iris, map, tolerance, strip, drawn);
+        DrawBlock(ghost, left, iris, map, tolerance, strip, kept, drawn);
     }
 }
 
 // The tiles that are left in a part of a block.
 void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, const Iris& iris,
                             const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
-                            Drawn& drawn) {
-    const GhostTiles& tiles = ghost.tiles;
+                            LeftPixels* kept, Drawn& drawn) {
+    const GhostTiles& tiles = *ghost.tiles;
     strip.polygons.assign(box.pixels() * kColourStride, 0.0);
     RasterTarget target;
     target.x0 = box.x;
@@ -267,22 +303,54 @@ void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, con
     for (int y = box.y / kFinest; y < (box.y + box.height) / kFinest; ++y) {
         for (int x = box.x / kFinest; x < (box.x + box.width) / kFinest; ++x) {
             if (!tiles.Left(x, y)) continue;
-            for (int row = y * kFinest; row < (y + 1) * kFinest; ++row) {
-                const double* from =
-                    &strip.polygons[(static_cast<std::size_t>(row - box.y) *
-                                         static_cast<std::size_t>(box.width) +
-                                     static_cast<std::size_t>(x * kFinest - box.x)) *
-                                    kColourStride];
-                for (int i = 0; i < kFinest; ++i, from += kColourStride) {
-                    const auto column = static_cast<std::size_t>(x * kFinest + i - padded_.x);
-                    for (std::size_t c = 0; c < 3; ++c)
-                        Row(c, row)[column] += static_cast<float>(from[c] / unit_);
-                }
+            const double* const from =
+                &strip.polygons[(static_cast<std::size_t>(y * kFinest - box.y) *
+                                     static_cast<std::size_t>(box.width) +
+                                 static_cast<std::size_t>(x * kFinest - box.x)) *
+                                kColourStride];
+            LeftTile tile;
+            for (std::size_t n = 0; n < tile.size(); ++n) {
+                const std::size_t c = n / kLeftTilePixels;
+                const std::size_t row = n % kLeftTilePixels / kFinest;
+                const std::size_t i = n % kFinest;
+                const std::size_t at = row * static_cast<std::size_t>(box.width) + i;
+                tile[n] = static_cast<float>(from[at * kColourStride + c] / unit_);
             }
+            AddLeftTile(x, y, tile.data());
+            if (kept) std::copy(tile.begin(), tile.end(), &kept->rgb[LeftAt(tiles, *kept, x, y)]);
         }
     }
     drawn.pieces += walk.pieces();
     drawn.fragments += raster.fragments();
+}
+
+void TilePicture::AddLeftTile(int x, int y, const float* rgb) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        for (int row = 0; row < kFinest; ++row) {
+            float* const to = Row(c, y * kFinest + row) + (x * kFinest - padded_.x);
+            for (int i = 0; i < kFinest; ++i) to[i] += *rgb++;
+        }
+    }
+}
+
+// What polygons drew before.
+void TilePicture::AddLeft(const TiledGhost& ghost, const Strip& strip, Drawn& drawn) {
+    const GhostTiles& tiles = *ghost.tiles;
+    const int first = std::max(tiles.left_y, strip.y0 / kFinest);
+    const int end = std::min(tiles.left_y + tiles.left_height, strip.y1 / kFinest);
+    for (int y = first; y < end; ++y) {
+        const auto row = static_cast<std::size_t>(y - tiles.left_y);
+        const float* from = ghost.left->rgb.data() + ghost.left->row_at[row] * kLeftNumbers;
+        const std::uint8_t* const left =
+            &tiles.left[row * static_cast<std::size_t>(tiles.left_width)];
+        for (int x = 0; x < tiles.left_width; ++x) {
+            if (left[x] == 0) continue;
+            AddLeftTile(tiles.left_x + x, y, from);
+            from += kLeftNumbers;
+            ++drawn.pieces;
+            drawn.fragments += kLeftTilePixels;
+        }
+    }
 }
 
 std::array<std::vector<float>, 3> TilePicture::Resolve(double scale, ThreadPool& threads) const {

@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/cancel.h"
@@ -17,10 +19,21 @@
 
 namespace flare {
 
+// What polygons drew in a ghost's tiles that are left to them, to be drawn again without the ghost.
+struct LeftPixels {
+    LeftPixels() = default;
+    // Room for those of `tiles`.
+    explicit LeftPixels(const GhostTiles& tiles);
+
+    std::vector<std::uint32_t> row_at;  // tiles before each row of tiles
+    std::vector<float> rgb;             // [tile][channel][row][column]
+};
+
 // A ghost and its tiles.
 struct TiledGhost {
     GhostLight light;
-    GhostTiles tiles;
+    std::shared_ptr<const GhostTiles> tiles;  // null: none of it reaches the picture
+    const LeftPixels* left = nullptr;         // drawn before, in place of polygons
 };
 
 // The whole blocks of tiles that a window touches.
@@ -46,9 +59,11 @@ class TilePicture {
         std::uint64_t fragments = 0;  // pixels they touched
     };
     // Adds the ghosts in the order given; `map` as MapFromMiddle gives it. Stops early when
-    // cancelled.
+    // cancelled. What polygons draw of a ghost goes to its place in `kept` as well, where that has
+    // room.
     Drawn Draw(const std::vector<TiledGhost>& ghosts, const Iris& iris, const PictureMap& map,
-               const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel);
+               const WalkTolerance& tolerance, ThreadPool& threads, const CancelToken& cancel,
+               std::span<LeftPixels> kept = {});
 
     // Back to darkness.
     void Clear();
@@ -69,10 +84,12 @@ class TilePicture {
     void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
-                  const WalkTolerance& tolerance, Strip& strip, Drawn& drawn);
+                  const WalkTolerance& tolerance, Strip& strip, LeftPixels* kept, Drawn& drawn);
     void DrawBlock(const TiledGhost& ghost, const PixelWindow& block, const Iris& iris,
                    const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
-                   Drawn& drawn);
+                   LeftPixels* kept, Drawn& drawn);
+    void AddLeftTile(int x, int y, const float* rgb);
+    void AddLeft(const TiledGhost& ghost, const Strip& strip, Drawn& drawn);
     void ResolveRow(int row, double factor, std::array<std::vector<float>, 3>& planes) const;
     float* Row(std::size_t channel, int y) {
         return pixels_[channel].data() +

@@ -14,7 +14,6 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <unordered_map>
@@ -23,15 +22,9 @@
 #include "core/base/cancel.h"
 #include "core/base/fingerprint.h"
 #include "core/base/result.h"
+#include "server/cache/recent_values.h"
 
 namespace flare {
-
-// Counts since the start, but for bytes and entries, which are now. A caller that waited for
-// another's build is a hit: nothing was built for it.
-struct CacheStats {
-    std::uint64_t hits = 0, misses = 0, evictions = 0;
-    std::uint64_t bytes = 0, entries = 0;
-};
 
 template <class Value>
 class SingleFlightCache {
@@ -46,15 +39,14 @@ class SingleFlightCache {
     static constexpr std::chrono::milliseconds kCancelPoll{10};
 
     SingleFlightCache(std::size_t max_bytes, Charge charge)
-        : max_bytes_(max_bytes), charge_(std::move(charge)) {}
+        : charge_(std::move(charge)), kept_(max_bytes) {}
 
     Result<Found> Get(const Fingerprint& key, const Build& build, const CancelToken& cancel) {
         std::unique_lock lock(mutex_);
         for (;;) {
-            if (const auto kept = kept_.find(key); kept != kept_.end()) {
-                order_.splice(order_.begin(), order_, kept->second);
-                ++stats_.hits;
-                return Found{kept->second->value, true};
+            if (std::shared_ptr<const Value> kept = kept_.Find(key)) {
+                ++hits_;
+                return Found{std::move(kept), true};
             }
             const auto flight = flights_.find(key);
             if (flight == flights_.end()) break;
@@ -63,7 +55,7 @@ class SingleFlightCache {
                 return Error{"cancelled", "the caller no longer waits for this", ""};
             }
             if (shared->value) {
-                ++stats_.hits;
+                ++hits_;
                 return Found{shared->value, true};
             }
             // The builder ran out of memory: start over, perhaps as the next builder.
@@ -73,16 +65,10 @@ class SingleFlightCache {
 
     CacheStats stats() const {
         const std::lock_guard lock(mutex_);
-        return stats_;
+        return {hits_, misses_, kept_.evictions(), kept_.bytes(), kept_.entries()};
     }
 
   private:
-    struct Entry {
-        Fingerprint key;
-        std::shared_ptr<const Value> value;
-        std::size_t bytes;
-    };
-    using Order = std::list<Entry>;  // most recently used first
     struct Flight {
         std::condition_variable landed;
         bool done = false;
@@ -100,7 +86,7 @@ class SingleFlightCache {
     // Builds without the lock; enters and leaves with it.
     Result<Found> BuildNow(std::unique_lock<std::mutex>& lock, const Fingerprint& key,
                            const Build& build) {
-        ++stats_.misses;
+        ++misses_;
         const auto flight = std::make_shared<Flight>();
         flights_.emplace(key, flight);
         lock.unlock();
@@ -120,31 +106,15 @@ class SingleFlightCache {
         flight->value = value;
         flight->landed.notify_all();
         if (failure) std::rethrow_exception(failure);
-        if (bytes <= max_bytes_) Keep(key, value, bytes);
+        kept_.Keep(key, value, bytes);
         return Found{value, false};
     }
 
-    void Keep(const Fingerprint& key, const std::shared_ptr<const Value>& value,
-              std::size_t bytes) {
-        while (stats_.bytes + bytes > max_bytes_) {
-            const Entry& oldest = order_.back();
-            stats_.bytes -= oldest.bytes;
-            ++stats_.evictions;
-            kept_.erase(oldest.key);
-            order_.pop_back();
-        }
-        order_.push_front({key, value, bytes});
-        kept_[key] = order_.begin();
-        stats_.bytes += bytes;
-        stats_.entries = order_.size();
-    }
-
-    const std::size_t max_bytes_;
     const Charge charge_;
     mutable std::mutex mutex_;  // guards all below
-    CacheStats stats_;
-    Order order_;
-    std::unordered_map<Fingerprint, typename Order::iterator> kept_;
+    RecentValues<Value> kept_;
+    // A caller that waited for another's build is a hit: nothing was built for it.
+    std::uint64_t hits_ = 0, misses_ = 0;
     std::unordered_map<Fingerprint, std::shared_ptr<Flight>> flights_;
 };
 

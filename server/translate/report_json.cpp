@@ -133,6 +133,7 @@ void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Member("pixels", static_cast<std::uint64_t>(reply.window.pixels()));
     json.Member("mesh_cache_hits", work.mesh_hits).Member("mesh_cache_misses", work.mesh_misses);
     json.Member("mesh_disk_hits", work.mesh_disk_hits);
+    json.Member("ghost_cache_hits", work.ghost_hits);
     json.Member("threads", reply.threads);
     if (work.search) {
         json.Key("search").BeginInlineObject().Member("pictures", work.search->pictures);

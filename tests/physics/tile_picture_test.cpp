@@ -108,7 +108,8 @@ class TilesAndPolygons : public ::testing::TestWithParam<Scene> {
         ghost.light = PrepareGhost(surface, BundleOf(*lens_, light_), *lens_, tables_, colour,
                                    std::move(cells));
         ghost.light.masks = masks;
-        ghost.tiles = TilesOf(ghost.light, *iris_, tile_map_, kAround, *settings_.tiles, 2.0);
+        ghost.tiles = std::make_shared<const GhostTiles>(
+            TilesOf(ghost.light, *iris_, tile_map_, kAround, *settings_.tiles, 2.0));
         return ghost;
     }
 
@@ -131,9 +132,9 @@ TEST_P(TilesAndPolygons, GiveOnePicture) {
         std::vector<TiledGhost> ghosts(1);
         ghosts[0] = Prepared(sequences[n]);
         if (ghosts[0].light.cells.empty()) continue;
-        smooth += ghosts[0].tiles.smooth.size();
-        edges += ghosts[0].tiles.edges.size();
-        for (const std::uint8_t tile : ghosts[0].tiles.left) left += tile;
+        smooth += ghosts[0].tiles->smooth.size();
+        edges += ghosts[0].tiles->edges.size();
+        for (const std::uint8_t tile : ghosts[0].tiles->left) left += tile;
         TilePicture tiles(kFrame, kFrame.width, kFrame.height, 2.0);
         ASSERT_EQ(tiles.padded(), kAround);
         tiles.Draw(ghosts, *iris_, tile_map_, settings_.walk, threads_, {});

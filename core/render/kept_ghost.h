@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A ghost of one light as it was drawn: its tiles, the pixels of what polygons drew, and what the
+// report says of it. Whoever draws the same light again, with other lights moved or another layer
+// asked for, needs no mesh and no light on it. A key holds all that a kept ghost depends on, so a
+// picture has the same bytes whether its ghosts were kept or made.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "core/base/fingerprint.h"
+#include "core/render/error_estimate.h"
+#include "core/render/ghost_builder.h"
+#include "core/render/lights.h"
+#include "core/render/render_scene.h"
+#include "core/render/report.h"
+#include "core/render/tile_picture.h"
+
+namespace flare {
+
+struct KeptGhost {
+    std::shared_ptr<const GhostTiles> tiles;  // null: none of it reaches the picture
+    LeftPixels left;
+    std::shared_ptr<const GhostFringes> fringes;
+    MeshMiss miss;
+    std::optional<double> dispersion_step_px;
+    RingingFacts ringing;
+    double flux_mm2 = 0.0;
+
+    std::size_t bytes() const;
+};
+
+// What was built and drawn, to be kept; and back. What is given back leans on `kept`.
+std::shared_ptr<const KeptGhost> KeptOf(const GhostBuilder::Built& built, LeftPixels left);
+GhostBuilder::Built BuiltOf(const KeptGhost& kept);
+
+// Where kept ghosts are. Called from several threads at once.
+class GhostKeeper {
+  public:
+    virtual ~GhostKeeper() = default;
+    virtual std::shared_ptr<const KeptGhost> Find(const Fingerprint& key) = 0;  // or null
+    virtual void Keep(const Fingerprint& key, std::shared_ptr<const KeptGhost> ghost) = 0;
+};
+
+// Names what GhostBuilder::Build makes for one light.
+class GhostKeys {
+  public:
+    GhostKeys(const RenderScene& scene, const PlacedLight& light, const GhostCanvas& canvas,
+              bool with_flux);
+    Fingerprint Of(const BounceSequence& sequence, double weight) const;
+
+  private:
+    const RenderScene& scene_;
+    const PlacedLight& light_;
+    Fingerprint common_;
+};
+
+}  // namespace flare
