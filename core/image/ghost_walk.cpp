@@ -210,12 +210,13 @@ struct GhostWalk::Work {
     void CutForFringes(std::size_t c, const NetShape& stop, const NetShape& shape, double& u,
                        double& v) const {
         constexpr double kStep_t = 0.3;
-        constexpr double kSmall_px = 1.0;
+        // Coarse pictures get coarse pieces; fringes are averaged over each.
+        const double coarse = std::max(1.0, 0.7 * tolerance.smallest_px);
         const GhostFringes& fringes = *ghost.fringes;
         const double step_mm =
-            kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
-        u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / kSmall_px));
-        v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / kSmall_px));
+            coarse * kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
+        u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / coarse));
+        v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / coarse));
     }
 
     void EvaluateRows(int row) {
@@ -258,6 +259,7 @@ struct GhostWalk::Work {
             hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
         }
         if (hi.x < window.x0 || lo.x > window.x1 || hi.y < window.y0 || lo.y > window.y1) return;
+        if (!sink.Wants(lo, hi)) return;
         if (iris.picture() != nullptr && fields.size() > 2) {
             PicturedPiece(b, i, j, px, window, sink);
             return;

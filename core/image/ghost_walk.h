@@ -99,6 +99,8 @@ struct WalkWindow {
 class PieceSink {
   public:
     virtual ~PieceSink() = default;
+    // Could a piece within this box be of use? Asked before its masks and its light are found.
+    virtual bool Wants(const Vec2d& /*lo*/, const Vec2d& /*hi*/) const { return true; }
     // A polygon in pixels (either orientation, simple) at one drawn wavelength and the light on it,
     // one number a channel, in units of E0 mm^2.
     virtual void Add(std::span<const Vec2d> points, std::span<const double> light, int band) = 0;

@@ -124,19 +124,26 @@ class LightPoints {
         const auto passages = static_cast<std::size_t>(mesh_.passage_count());
         const std::size_t nodes = mesh_.grids.front().nodes.size();
         columns_.Resize(nodes, passages, count);
-        for (std::size_t k = 0; k < columns_.stride; ++k) {
-            // The last columns are filled up with the last point.
-            const Point& point = points_[first + std::min(k, count - 1)];
+        sums_.resize(passages);
+        float* const sums = sums_.data();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Point& point = points_[first + k];
             for (std::size_t n = 0; n < nodes; ++n) {
                 const float* const all = point.grid->nodes[n].passage.data();
-                float* const out = &columns_.values[n * passages * columns_.stride + k];
-                for (std::size_t s = 0; s < passages; ++s) {
-                    float sum = 0.0F;
-                    for (std::size_t c = 0; c < point.count; ++c)
-                        sum += point.shares[c] * all[point.vertices[c] * passages + s];
-                    out[s * columns_.stride] = sum;
+                std::fill_n(sums, passages, 0.0F);
+                for (std::size_t c = 0; c < point.count; ++c) {
+                    const float share = point.shares[c];
+                    const float* const at = all + point.vertices[c] * passages;
+                    for (std::size_t s = 0; s < passages; ++s) sums[s] += share * at[s];
                 }
+                float* const out = &columns_.values[n * passages * columns_.stride + k];
+                for (std::size_t s = 0; s < passages; ++s) out[s * columns_.stride] = sums[s];
             }
+        }
+        // The last columns are filled up with the last point.
+        for (std::size_t row = 0; row < nodes * passages; ++row) {
+            float* const values = &columns_.values[row * columns_.stride];
+            std::fill(values + count, values + columns_.stride, values[count - 1]);
         }
     }
 
@@ -145,6 +152,7 @@ class LightPoints {
     const LightBundle& bundle_;
     std::vector<Point> points_;
     PassageColumns columns_;
+    std::vector<float> sums_;  // scratch of Gather
 };
 
 namespace {

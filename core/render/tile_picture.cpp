@@ -42,12 +42,7 @@ class LeftSink final : public PieceSink {
           y1_((block.y + block.height) / kFinest - 1),
           to_(to) {}
 
-    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
-        Vec2d lo(1e300), hi(-1e300);
-        for (const Vec2d& p : points) {
-            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
-            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
-        }
+    bool Wants(const Vec2d& lo, const Vec2d& hi) const override {
         const auto tile = [](double value, int first, int last) {
             const double t = std::floor(value / kFinest);
             return static_cast<int>(std::clamp(t, first - 1.0, last + 1.0));
@@ -56,11 +51,18 @@ class LeftSink final : public PieceSink {
         const int end_y = std::min(tile(hi.y, y0_, y1_), y1_);
         for (int y = std::max(tile(lo.y, y0_, y1_), y0_); y <= end_y; ++y) {
             for (int x = std::max(tile(lo.x, x0_, x1_), x0_); x <= end_x; ++x) {
-                if (!tiles_.Left(x, y)) continue;
-                to_.Add(points, light, band);
-                return;
+                if (tiles_.Left(x, y)) return true;
             }
         }
+        return false;
+    }
+    void Add(std::span<const Vec2d> points, std::span<const double> light, int band) override {
+        Vec2d lo(1e300), hi(-1e300);
+        for (const Vec2d& p : points) {
+            lo = {std::min(lo.x, p.x), std::min(lo.y, p.y)};
+            hi = {std::max(hi.x, p.x), std::max(hi.y, p.y)};
+        }
+        if (Wants(lo, hi)) to_.Add(points, light, band);
     }
     void EndOfPiece() override { to_.EndOfPiece(); }
 
