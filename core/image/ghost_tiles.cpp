@@ -176,6 +176,27 @@ bool CanBeTiled(const GhostLight& ghost) {
            ghost.bands.front().node_weights.size() == static_cast<std::size_t>(kTracedInTiles);
 }
 
+namespace {
+
+template <class Tile>
+BlockRows SortIntoRows(std::vector<Tile>& tiles) {
+    // Towards minus infinity.
+    const auto row_of = [](const Tile& tile) { return tile.y >> tile.level; };
+    std::stable_sort(tiles.begin(), tiles.end(),
+                     [&](const Tile& a, const Tile& b) { return row_of(a) < row_of(b); });
+    BlockRows rows;
+    if (tiles.empty()) return rows;
+    rows.first = row_of(tiles.front());
+    for (std::uint32_t n = 0; n < tiles.size(); ++n) {
+        while (rows.first + static_cast<int>(rows.at.size()) <= row_of(tiles[n]))
+            rows.at.push_back(n);
+    }
+    rows.at.push_back(static_cast<std::uint32_t>(tiles.size()));
+    return rows;
+}
+
+}  // namespace
+
 GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& map,
                    const PixelWindow& window, const TileTolerance& tolerance, double unit) {
     GhostTiles tiles;
@@ -189,7 +210,10 @@ GhostTiles TilesOf(const GhostLight& ghost, const Iris& iris, const PictureMap& 
         tiles.any_left = true;
         return tiles;
     }
-    return Tiler(ghost, ghost.IrisOr(iris), map, window, tolerance, unit).Run();
+    tiles = Tiler(ghost, ghost.IrisOr(iris), map, window, tolerance, unit).Run();
+    tiles.smooth_rows = SortIntoRows(tiles.smooth);
+    tiles.edge_rows = SortIntoRows(tiles.edges);
+    return tiles;
 }
 
 }  // namespace flare

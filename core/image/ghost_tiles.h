@@ -14,6 +14,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/image/flare_image.h"
@@ -57,9 +58,24 @@ struct TileAtStop {
     std::array<float, 4> x{}, y{};
 };
 
+// Where a list of tiles that goes block by block (of kLargestTile pixels) down the picture has the
+// tiles of one row of blocks.
+struct BlockRows {
+    int first = 0;                  // row of blocks
+    std::vector<std::uint32_t> at;  // first of each row's tiles, and the end
+
+    template <class Tile>
+    std::span<const Tile> In(const std::vector<Tile>& tiles, int row) const {
+        const std::size_t n = static_cast<std::size_t>(row - first);
+        if (row < first || n + 1 >= at.size()) return {};
+        return std::span(tiles).subspan(at[n], at[n + 1] - at[n]);
+    }
+};
+
 struct GhostTiles {
     std::vector<SmoothTile> smooth;
     std::vector<EdgeTile> edges;
+    BlockRows smooth_rows, edge_rows;
     std::vector<StraightEdge> straight_edges;
     std::vector<ArcEdge> arc_edges;
     std::vector<TileAtStop> pictured;  // [crossing][traced wavelength, or the middle one]

@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -176,45 +177,49 @@ HWY_INLINE Bilinear BilinearOf(const float* corners, int size) {
 }
 
 // Along row j (pixel centres): values at columns `i`.
-HWY_INLINE Floats RowOf(const Bilinear& f, float j, Floats i) {
-    return hn::MulAdd(Constant(f.per_x + f.twist * j), i, Constant(f.at + f.per_y * j));
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V RowOf(D tag, const Bilinear& f, float j, V i) {
+    return hn::MulAdd(hn::Set(tag, f.per_x + f.twist * j), i, hn::Set(tag, f.at + f.per_y * j));
 }
 
-HWY_INLINE Floats ArcAt(const ArcEdge& arc, const Bilinear& bx, const Bilinear& by, float j,
-                        Floats i) {
-    const Floats x = RowOf(bx, j, i);
-    const Floats y = RowOf(by, j, i);
-    const Floats over = hn::MulAdd(x, x, hn::MulAdd(y, y, Constant(-arc.radius2)));
-    const Floats gx =
-        hn::Abs(hn::MulAdd(x, Constant(arc.per_x_x), hn::Mul(y, Constant(arc.per_x_y))));
-    const Floats gy =
-        hn::Abs(hn::MulAdd(x, Constant(arc.per_y_x), hn::Mul(y, Constant(arc.per_y_y))));
-    const Floats slope = hn::Max(hn::Add(gx, gy), Constant(1e-20F));
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V ArcAt(D tag, const ArcEdge& arc, const Bilinear& bx, const Bilinear& by, float j,
+                   V i) {
+    const V x = RowOf(tag, bx, j, i);
+    const V y = RowOf(tag, by, j, i);
+    const V over = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(tag, -arc.radius2)));
+    const V gx =
+        hn::Abs(hn::MulAdd(x, hn::Set(tag, arc.per_x_x), hn::Mul(y, hn::Set(tag, arc.per_x_y))));
+    const V gy =
+        hn::Abs(hn::MulAdd(x, hn::Set(tag, arc.per_y_x), hn::Mul(y, hn::Set(tag, arc.per_y_y))));
+    const V slope = hn::Max(hn::Add(gx, gy), hn::Set(tag, 1e-20F));
     // A pixel's mean over a convex edge is less than its middle's value: the second term keeps the
     // area.
-    return hn::MulAdd(slope, Constant(1.0F / (12.0F * arc.radius2)),
+    return hn::MulAdd(slope, hn::Set(tag, 1.0F / (12.0F * arc.radius2)),
                       hn::Div(over, hn::Add(slope, slope)));
 }
 
 // The integral of a profile up to `place`, in steps of its table.
-HWY_INLINE Floats ProfileSum(const float* table, float last, Floats place) {
-    const FloatTag tag;
-    const hn::RebindToSigned<FloatTag> whole;
-    const Floats zero = hn::Zero(tag);
-    const Floats inner = hn::Min(hn::Max(place, zero), Constant(last - 1e-3F));
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V ProfileSum(D tag, const float* table, float last, V place) {
+    const hn::RebindToSigned<D> whole;
+    const V zero = hn::Zero(tag);
+    const V inner = hn::Min(hn::Max(place, zero), hn::Set(tag, last - 1e-3F));
     const auto i = hn::ConvertTo(whole, inner);
-    const Floats f = hn::Sub(inner, hn::ConvertTo(tag, i));
-    const Floats low = hn::GatherIndex(tag, table, i);
-    const Floats high = hn::GatherIndex(tag, table + 1, i);
+    const V f = hn::Sub(inner, hn::ConvertTo(tag, i));
+    const V low = hn::GatherIndex(tag, table, i);
+    const V high = hn::GatherIndex(tag, table + 1, i);
     return hn::Add(hn::MulAdd(hn::Sub(high, low), f, low),
-                   hn::Max(hn::Sub(place, Constant(last)), zero));
+                   hn::Max(hn::Sub(place, hn::Set(tag, last)), zero));
 }
 
 // Distances from the tile's edges with profiles, at each traced wavelength.
+template <class D>
 struct Fringes {
+    using V = hn::Vec<D>;
     const EdgeShade& tile;
     Bilinear x[kTracedInTiles * kTileEdges], y[kTracedInTiles * kTileEdges];
-    Floats over[kTracedInTiles * kTileEdges];
+    V over[kTracedInTiles * kTileEdges];
 
     explicit Fringes(const EdgeShade& shade) : tile(shade) {
         for (int e = 0; e < kTracedInTiles * tile.fringes; ++e) {
@@ -224,91 +229,100 @@ struct Fringes {
         }
     }
 
-    HWY_INLINE void SetRow(float j, Floats i) {
+    HWY_INLINE void SetRow(float j, V i) {
+        const D tag;
         for (int e = 0; e < kTracedInTiles * tile.fringes; ++e) {
-            over[e] = RowOf(x[e], j, i);
+            over[e] = RowOf(tag, x[e], j, i);
             const float radius = tile.fringe_edges[e].radius;
             if (radius > 0.0F) {
-                const Floats down = RowOf(y[e], j, i);
+                const V down = RowOf(tag, y[e], j, i);
                 over[e] = hn::Sub(hn::Sqrt(hn::MulAdd(over[e], over[e], hn::Mul(down, down))),
-                                  Constant(radius));
+                                  hn::Set(tag, radius));
             }
         }
     }
 
     // The product of the profiles at a band.
-    HWY_INLINE Floats At(int band) const {
+    HWY_INLINE V At(int band) const {
+        const D tag;
         const float* const w = tile.band_weights + band * kTracedInTiles;
         const auto last = static_cast<float>(tile.fringe_entries - 1);
-        Floats product = Constant(1.0F);
+        V product = hn::Set(tag, 1.0F);
         for (int e = 0; e < tile.fringes; ++e) {
             const FringeEdge& edge = tile.fringe_edges[e];
-            const Floats d =
-                hn::MulAdd(Constant(w[0]), over[e],
-                           hn::MulAdd(Constant(w[1]), over[tile.fringes + e],
-                                      hn::Mul(Constant(w[2]), over[2 * tile.fringes + e])));
-            const Floats place =
-                hn::NegMulAdd(d, Constant(edge.per_mm), Constant(tile.fringe_start));
+            const V d =
+                hn::MulAdd(hn::Set(tag, w[0]), over[e],
+                           hn::MulAdd(hn::Set(tag, w[1]), over[tile.fringes + e],
+                                      hn::Mul(hn::Set(tag, w[2]), over[2 * tile.fringes + e])));
+            const V place =
+                hn::NegMulAdd(d, hn::Set(tag, edge.per_mm), hn::Set(tag, tile.fringe_start));
             const float half = std::max(edge.half / tile.band_sharpness[band], 0.25F);
             const float* const table = tile.fringe_tables + edge.table +
                                        static_cast<std::ptrdiff_t>(band) * tile.fringe_entries;
-            const Floats sum = hn::Sub(ProfileSum(table, last, hn::Add(place, Constant(half))),
-                                       ProfileSum(table, last, hn::Sub(place, Constant(half))));
-            product = hn::Mul(product, hn::Mul(sum, Constant(0.5F / half)));
+            const V beyond = hn::Add(place, hn::Set(tag, half));
+            const V before = hn::Sub(place, hn::Set(tag, half));
+            // Where all fringes have died out nothing is lost.
+            if (hn::AllTrue(tag, hn::Ge(before, hn::Set(tag, last)))) continue;
+            const V sum =
+                hn::Sub(ProfileSum(tag, table, last, beyond), ProfileSum(tag, table, last, before));
+            product = hn::Mul(product, hn::Mul(sum, hn::Set(tag, 0.5F / half)));
         }
         return product;
     }
 };
 
-void Shade(const EdgeShade& tile, TilePixels& out) {
-    const FloatTag tag;
+template <int kSize>
+HWY_INLINE void ShadeSize(const EdgeShade& tile, float* const* planes, std::ptrdiff_t stride) {
+    const hn::CappedTag<float, kSize> tag;
+    using D = hn::CappedTag<float, kSize>;
+    using V = hn::Vec<D>;
     const int lanes = static_cast<int>(hn::Lanes(tag));
-    const int size = tile.size;
     const int traced = tile.bands > 0 ? kTracedInTiles : 1;
     Bilinear straight[kTracedInTiles * kTileEdges];
     Bilinear arc_x[kTracedInTiles * kTileEdges];
     Bilinear arc_y[kTracedInTiles * kTileEdges];
     for (int e = 0; e < traced * tile.straight; ++e)
-        straight[e] = BilinearOf(tile.straight_edges[e].corners, size);
+        straight[e] = BilinearOf(tile.straight_edges[e].corners, kSize);
     for (int e = 0; e < traced * tile.arcs; ++e) {
-        arc_x[e] = BilinearOf(tile.arc_edges[e].x, size);
-        arc_y[e] = BilinearOf(tile.arc_edges[e].y, size);
+        arc_x[e] = BilinearOf(tile.arc_edges[e].x, kSize);
+        arc_y[e] = BilinearOf(tile.arc_edges[e].y, kSize);
     }
     Bilinear light[3];
-    for (int c = 0; c < 3; ++c) light[c] = BilinearOf(tile.light[c], size);
-    Fringes fringes(tile);
-    const Floats half = Constant(0.5F);
-    const Floats one = Constant(1.0F);
-    const Floats zero = hn::Zero(tag);
-    for (int row = 0; row < size; ++row) {
+    for (int c = 0; c < 3; ++c) light[c] = BilinearOf(tile.light[c], kSize);
+    Fringes<D> fringes(tile);
+    const V half = hn::Set(tag, 0.5F);
+    const V one = hn::Set(tag, 1.0F);
+    const V zero = hn::Zero(tag);
+    for (int row = 0; row < kSize; ++row) {
         const float j = static_cast<float>(row) + 0.5F;
-        for (int column = 0; column < size; column += lanes) {
-            const Floats i = hn::Add(hn::Iota(tag, static_cast<float>(column)), half);
+        for (int column = 0; column < kSize; column += lanes) {
+            const V i = hn::Add(hn::Iota(tag, static_cast<float>(column)), half);
             const int at = row * kLargestEdgeTile + column;
-            Floats over[kTracedInTiles];
+            V over[kTracedInTiles];
             for (int k = 0; k < traced; ++k) {
-                over[k] = Constant(-1e6F);
+                over[k] = hn::Set(tag, -1e6F);
                 for (int e = 0; e < tile.straight; ++e)
-                    over[k] = hn::Max(over[k], RowOf(straight[k * tile.straight + e], j, i));
+                    over[k] = hn::Max(over[k], RowOf(tag, straight[k * tile.straight + e], j, i));
                 for (int e = 0; e < tile.arcs; ++e) {
                     const int n = k * tile.arcs + e;
-                    over[k] = hn::Max(over[k], ArcAt(tile.arc_edges[n], arc_x[n], arc_y[n], j, i));
+                    over[k] =
+                        hn::Max(over[k], ArcAt(tag, tile.arc_edges[n], arc_x[n], arc_y[n], j, i));
                 }
             }
-            Floats rgb[3] = {zero, zero, zero};
+            V rgb[3] = {zero, zero, zero};
             if (tile.fringes > 0) fringes.SetRow(j, i);
             if (tile.bands == 0) {
-                Floats cover = hn::Min(hn::Max(hn::Sub(half, over[0]), zero), one);
+                V cover = hn::Min(hn::Max(hn::Sub(half, over[0]), zero), one);
                 if (tile.pass != nullptr) cover = hn::Mul(cover, hn::LoadU(tag, tile.pass + at));
-                for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(cover, RowOf(light[c], j, i));
+                for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(cover, RowOf(tag, light[c], j, i));
             } else {
                 for (int b = 0; b < tile.bands; ++b) {
                     const float* const w = tile.band_weights + b * kTracedInTiles;
-                    const Floats sharp = Constant(tile.band_sharpness[b]);
-                    const Floats edge = hn::MulAdd(
-                        Constant(w[0]), over[0],
-                        hn::MulAdd(Constant(w[1]), over[1], hn::Mul(Constant(w[2]), over[2])));
-                    Floats cover = hn::Min(hn::Max(hn::NegMulAdd(edge, sharp, half), zero), one);
+                    const V sharp = hn::Set(tag, tile.band_sharpness[b]);
+                    const V edge = hn::MulAdd(hn::Set(tag, w[0]), over[0],
+                                              hn::MulAdd(hn::Set(tag, w[1]), over[1],
+                                                         hn::Mul(hn::Set(tag, w[2]), over[2])));
+                    V cover = hn::Min(hn::Max(hn::NegMulAdd(edge, sharp, half), zero), one);
                     if (tile.pass != nullptr) {
                         const float* const pass = tile.pass + b * kTilePixels;
                         cover = hn::Mul(cover, hn::LoadU(tag, pass + at));
@@ -316,50 +330,66 @@ void Shade(const EdgeShade& tile, TilePixels& out) {
                     if (tile.fringes > 0) cover = hn::Mul(cover, fringes.At(b));
                     const float* const share = tile.band_rgb + b * 3;
                     for (int c = 0; c < 3; ++c)
-                        rgb[c] = hn::MulAdd(cover, Constant(share[c]), rgb[c]);
+                        rgb[c] = hn::MulAdd(cover, hn::Set(tag, share[c]), rgb[c]);
                 }
-                for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(rgb[c], RowOf(light[c], j, i));
+                for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(rgb[c], RowOf(tag, light[c], j, i));
             }
             for (int c = 0; c < 3; ++c) {
-                hn::StoreU(rgb[c], tag, out.rgb[c] + at);
+                float* const to = planes[c] + row * stride + column;
+                hn::StoreU(hn::Add(hn::LoadU(tag, to), rgb[c]), tag, to);
             }
         }
+    }
+}
+
+void Shade(const EdgeShade& tile, float* const* planes, std::ptrdiff_t stride) {
+    if (tile.size == 16) {
+        ShadeSize<16>(tile, planes, stride);
+    } else if (tile.size == 8) {
+        ShadeSize<8>(tile, planes, stride);
+    } else {
+        ShadeSize<4>(tile, planes, stride);
     }
 }
 
 template <int kSize>
-HWY_INLINE void ExpandSize(const float* corners, int tiles, int row, float* const* planes) {
+HWY_INLINE void ExpandSize(const float* all, const std::uint64_t* lit, int words, int row,
+                           float* const* planes) {
     const hn::CappedTag<float, std::min(kSize, 16)> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     constexpr float kStep = 1.0F / static_cast<float>(kSize);
     const float down = (static_cast<float>(row) + 0.5F) * kStep;
-    for (int t = 0; t < tiles; ++t, corners += 12) {
-        for (int c = 0; c < 3; ++c) {
-            const float left = corners[c] + (corners[6 + c] - corners[c]) * down;
-            const float right = corners[3 + c] + (corners[9 + c] - corners[3 + c]) * down;
-            if (left == 0.0F && right == 0.0F) continue;
-            const auto slope = hn::Set(tag, (right - left) * kStep);
-            float* const at = planes[c] + t * kSize;
-            for (int i = 0; i < kSize; i += lanes) {
-                const auto x = hn::Iota(tag, static_cast<float>(i) + 0.5F);
-                const auto light = hn::MulAdd(x, slope, hn::Set(tag, left));
-                hn::StoreU(hn::Add(hn::LoadU(tag, at + i), light), tag, at + i);
+    for (int word = 0; word < words; ++word) {
+        for (std::uint64_t bits = lit[word]; bits != 0; bits &= bits - 1) {
+            const int t = 64 * word + std::countr_zero(bits);
+            const float* const corners = all + std::ptrdiff_t{12} * t;
+            for (int c = 0; c < 3; ++c) {
+                const float left = corners[c] + (corners[6 + c] - corners[c]) * down;
+                const float right = corners[3 + c] + (corners[9 + c] - corners[3 + c]) * down;
+                const auto slope = hn::Set(tag, (right - left) * kStep);
+                float* const at = planes[c] + std::ptrdiff_t{kSize} * t;
+                for (int i = 0; i < kSize; i += lanes) {
+                    const auto x = hn::Iota(tag, static_cast<float>(i) + 0.5F);
+                    const auto light = hn::MulAdd(x, slope, hn::Set(tag, left));
+                    hn::StoreU(hn::Add(hn::LoadU(tag, at + i), light), tag, at + i);
+                }
             }
         }
     }
 }
 
-void Expand(const float* corners, int tiles, int size, int row, float* const* planes) {
+void Expand(const float* corners, const std::uint64_t* lit, int words, int size, int row,
+            float* const* planes) {
     if (size == 64) {
-        ExpandSize<64>(corners, tiles, row, planes);
+        ExpandSize<64>(corners, lit, words, row, planes);
     } else if (size == 32) {
-        ExpandSize<32>(corners, tiles, row, planes);
+        ExpandSize<32>(corners, lit, words, row, planes);
     } else if (size == 16) {
-        ExpandSize<16>(corners, tiles, row, planes);
+        ExpandSize<16>(corners, lit, words, row, planes);
     } else if (size == 8) {
-        ExpandSize<8>(corners, tiles, row, planes);
+        ExpandSize<8>(corners, lit, words, row, planes);
     } else {
-        ExpandSize<4>(corners, tiles, row, planes);
+        ExpandSize<4>(corners, lit, words, row, planes);
     }
 }
 

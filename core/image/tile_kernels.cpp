@@ -38,12 +38,13 @@ void EvaluatePoints(const CellFit& cell, int fields, const LightCorners* light, 
     HWY_DYNAMIC_DISPATCH(Points)(cell, fields, light, block);
 }
 
-void ShadeEdge(const EdgeShade& tile, TilePixels& out) {
-    HWY_DYNAMIC_DISPATCH(Shade)(tile, out);
+void ShadeEdge(const EdgeShade& tile, float* const* planes, std::ptrdiff_t stride) {
+    HWY_DYNAMIC_DISPATCH(Shade)(tile, planes, stride);
 }
 
-void ExpandTiles(const float* corners, int tiles, int size, int row, float* const* planes) {
-    HWY_DYNAMIC_DISPATCH(Expand)(corners, tiles, size, row, planes);
+void ExpandTiles(const float* corners, const std::uint64_t* lit, int words, int size, int row,
+                 float* const* planes) {
+    HWY_DYNAMIC_DISPATCH(Expand)(corners, lit, words, size, row, planes);
 }
 
 }  // namespace flare

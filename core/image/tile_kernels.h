@@ -82,7 +82,7 @@ struct FringeEdge {
 };
 
 struct EdgeShade {
-    int size = 0;  // pixels along the tile's side, at most kLargestEdgeTile
+    int size = 0;  // pixels along the tile's side: 16, 8 or 4
     // Of each traced wavelength, one wavelength after another; at most kTileEdges of either.
     int straight = 0, arcs = 0;
     const StraightEdge* straight_edges = nullptr;
@@ -101,18 +101,18 @@ struct EdgeShade {
     const float* band_weights = nullptr;    // [band][kTracedInTiles]
     const float* band_sharpness = nullptr;  // [band]: 1 over the width of its edge, px
     // `light` is then a factor on band_rgb.
-    // What a picture of the stop lets pass, null: all; laid out as TilePixels, for each band.
+    // What a picture of the stop lets pass, null: all: rows of kLargestEdgeTile, for each band.
     const float* pass = nullptr;
 };
 
-// Light per pixel of an edge tile, rows of kLargestEdgeTile.
-struct TilePixels {
-    alignas(64) float rgb[3][kTilePixels];
-};
-void ShadeEdge(const EdgeShade& tile, TilePixels& out);
+// Adds the light per pixel of an edge tile of 16, 8 or 4 pixels to three planes; each pointer is to
+// the tile's first pixel, rows are `stride` floats apart.
+void ShadeEdge(const EdgeShade& tile, float* const* planes, std::ptrdiff_t stride);
 
-// Adds to one row of the three planes what `tiles` tiles of 64, 32, 16, 8 or 4 pixels hold:
-// `corners` is [tile][corner][channel], the row is the `row`th of the tiles.
-void ExpandTiles(const float* corners, int tiles, int size, int row, float* const* planes);
+// Adds to one row of the three planes what the tiles of 64, 32, 16, 8 or 4 pixels hold whose bits
+// are set in the `words` of `lit`: `corners` is [tile][corner][channel], the row is the `row`th of
+// the tiles.
+void ExpandTiles(const float* corners, const std::uint64_t* lit, int words, int size, int row,
+                 float* const* planes);
 
 }  // namespace flare

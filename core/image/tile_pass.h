@@ -9,8 +9,8 @@
 
 namespace flare {
 
-// Laid out as TilePixels, one layer a band if the tile is dispersed, else one. The tile is one of
-// `tiles`, and pictured at one crossing at least.
+// Rows of kLargestEdgeTile pixels, one layer a band if the tile is dispersed, else one. The tile is
+// one of `tiles`, and pictured at one crossing at least.
 void FindTilePass(const GhostTiles& tiles, const EdgeTile& tile, const StopPicture& picture,
                   std::vector<float>& pass);
 

@@ -72,31 +72,43 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
                   [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
     if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
-    for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
+    std::vector<Batched> ghosts = FindKept(light, planned, reported);
+    for (std::size_t first = 0; first < planned.size();) {
         if (context_.cancel.cancelled()) break;
-        const std::size_t count = std::min<std::size_t>(kGhostsPerBatch, planned.size() - first);
-        const std::span<PlannedGhost> batch = std::span(planned).subspan(first, count);
-        if (std::optional<Error> error = AddBatch(light, batch, reported)) return error;
+        std::size_t count = 0;
+        for (int made = 0; first + count < planned.size(); ++count) {
+            if (!ghosts[first + count].kept && ++made > kGhostsPerBatch) break;
+        }
+        if (std::optional<Error> error =
+                AddBatch(light, std::span(planned).subspan(first, count),
+                         std::span(ghosts).subspan(first, count), reported)) {
+            return error;
+        }
+        first += count;
     }
     if (context_.cancel.cancelled()) return Error{"cancelled", "the work was cancelled", ""};
     return std::nullopt;
 }
 
-// The ghosts that were kept, and those made now.
-std::vector<GhostLayer::Batched> GhostLayer::Gather(const PlacedLight& light,
-                                                    std::span<const PlannedGhost> planned,
-                                                    bool reported) {
-    std::vector<Batched> batch(planned.size());
-    if (context_.ghosts && canvas_.tiles) {
-        const GhostKeys keys(scene_, light, canvas_, reported);
-        for (std::size_t n = 0; n < planned.size(); ++n) {
-            const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
-            batch[n].key = keys.Of(sequence, planned[n].weight);
-            batch[n].kept = context_.ghosts->Find(batch[n].key);
-        }
+std::vector<GhostLayer::Batched> GhostLayer::FindKept(const PlacedLight& light,
+                                                      std::span<const PlannedGhost> planned,
+                                                      bool reported) const {
+    std::vector<Batched> ghosts(planned.size());
+    if (!context_.ghosts || !canvas_.tiles) return ghosts;
+    const GhostKeys keys(scene_, light, canvas_, reported);
+    for (std::size_t n = 0; n < planned.size(); ++n) {
+        const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
+        ghosts[n].key = keys.Of(sequence, planned[n].weight);
+        ghosts[n].kept = context_.ghosts->Find(ghosts[n].key);
     }
+    return ghosts;
+}
+
+// Those that were not kept.
+void GhostLayer::Build(const PlacedLight& light, std::span<const PlannedGhost> planned,
+                       std::span<Batched> batch, bool reported) {
     if (std::all_of(batch.begin(), batch.end(), [](const Batched& one) { return one.kept; })) {
-        return batch;
+        return;
     }
     builder_.MakeTables();
     context_.threads.For(static_cast<int>(planned.size()), [&](int i) {
@@ -106,13 +118,12 @@ std::vector<GhostLayer::Batched> GhostLayer::Gather(const PlacedLight& light,
         batch[n].built = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence,
                                         ghost.weight, reported, canvas_);
     });
-    return batch;
 }
 
 std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
-                                          bool reported) {
+                                          std::span<Batched> batch, bool reported) {
     const double t0 = context_.now_ms();
-    std::vector<Batched> batch = Gather(light, planned, reported);
+    Build(light, planned, batch, reported);
     std::vector<TiledGhost> ghosts;
     std::vector<LeftPixels> left(batch.size());
     for (std::size_t n = 0; n < planned.size(); ++n) {
@@ -171,6 +182,7 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
         }
     }
     builder_.MakeTables();
+    planner_.MakeTables();
     if (!blurred_) blurred_.emplace(scene_, context_, builder_, planner_, canvas_);
     const std::vector<BlurredGhosts::Drawn> drawn =
         blurred_->Add(disc, part, light, jobs, reported, report_.work);
@@ -188,6 +200,22 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
     planned = std::move(sharp);
 }
 
+// How the ghosts look from afar, and whether that was kept.
+std::pair<std::shared_ptr<const SeenGhosts>, bool> GhostLayer::See(
+    const PlacedLight& light, const std::vector<BounceSequence>& sequences, bool reported) {
+    Fingerprint key;
+    if (context_.ghosts) {
+        key = GhostKeys(scene_, light, canvas_, reported).OfSeen(sequences);
+        if (auto kept = context_.ghosts->FindSeen(key)) return {std::move(kept), true};
+    }
+    planner_.MakeTables();
+    auto seen = std::make_shared<SeenGhosts>();
+    seen->samples = planner_.Sample(light, sequences, context_);
+    seen->motions = planner_.Motions(light, sequences, seen->samples, scene_.settings, context_);
+    if (context_.ghosts && !context_.cancel.cancelled()) context_.ghosts->KeepSeen(key, seen);
+    return {std::move(seen), false};
+}
+
 // Leaves out the ghosts that need not be drawn, and says so.
 std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
                                                  const std::vector<std::size_t>& indices,
@@ -197,10 +225,8 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
     for (const std::size_t i : indices) {
         sequences.push_back(report_.facts.ghosts[i].sequence);
     }
-    const std::vector<GhostSample> samples = planner_.Sample(light, sequences, context_);
-    GhostPlan plan = planner_.Plan(
-        light, sequences, samples,
-        planner_.Motions(light, sequences, samples, scene_.settings, context_), scene_.settings);
+    const auto [seen, kept] = See(light, sequences, reported);
+    GhostPlan plan = planner_.Plan(light, sequences, seen->samples, seen->motions, scene_.settings);
     Facts& facts = report_.facts;
     facts.culling.culled += plan.facts.culled;
     facts.culling.faded += plan.facts.faded;
@@ -217,7 +243,7 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
         if (reported)
             facts.ghosts[indices[ghost.index]].flux_mm2 += light.share * ghost.sample.flux_mm2;
     }
-    report_.work.sampled_rays += plan.rays;
+    if (!kept) report_.work.sampled_rays += plan.rays;
     report_.work.cull_ms += context_.now_ms() - before;
     return std::move(plan.drawn);
 }

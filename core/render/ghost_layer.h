@@ -11,10 +11,10 @@
 
 #include "core/render/blurred_ghosts.h"
 #include "core/render/ghost_builder.h"
-#include "core/render/kept_ghost.h"
 #include "core/render/ghost_list.h"
 #include "core/render/ghost_plan.h"
 #include "core/render/ghost_split.h"
+#include "core/render/kept_ghost.h"
 
 namespace flare {
 
@@ -40,6 +40,8 @@ class GhostLayer {
 
   private:
     void AddFact(const BounceSequence& sequence);
+    std::pair<std::shared_ptr<const SeenGhosts>, bool> See(
+        const PlacedLight& light, const std::vector<BounceSequence>& sequences, bool reported);
     std::vector<PlannedGhost> PlanGhosts(const PlacedLight& light,
                                          const std::vector<std::size_t>& indices, bool reported);
     std::optional<Error> AddFourReflections(const PlacedLight& light,
@@ -53,10 +55,12 @@ class GhostLayer {
         std::shared_ptr<const KeptGhost> kept;
         GhostBuilder::Built built;
     };
-    std::vector<Batched> Gather(const PlacedLight& light, std::span<const PlannedGhost> planned,
-                                bool reported);
+    std::vector<Batched> FindKept(const PlacedLight& light, std::span<const PlannedGhost> planned,
+                                  bool reported) const;
+    void Build(const PlacedLight& light, std::span<const PlannedGhost> planned,
+               std::span<Batched> batch, bool reported);
     std::optional<Error> AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,
-                                  bool reported);
+                                  std::span<Batched> batch, bool reported);
     // Draws those that blur is to be seen in, and leaves the others.
     void AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
                           const SourceSquare& part, std::vector<PlannedGhost>& planned,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/render/ghost_culling.h"
 #include "core/render/quality.h"
 #include "core/spectrum/spectrum.h"
@@ -49,16 +50,18 @@ std::vector<double> ColourWeights(const PlacedLight& light) {
 
 GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
                            ThreadPool& threads)
-    : request_(request),
-      iris_(iris),
-      scene_factor_(scene_factor),
-      tables_(*request.lens, SampledWavelengths(request), threads) {}
+    : request_(request), iris_(iris), scene_factor_(scene_factor), threads_(threads) {}
+
+void GhostPlanner::MakeTables() {
+    if (!tables_) tables_.emplace(*request_.lens, SampledWavelengths(request_), threads_);
+}
 
 SampleScene GhostPlanner::SceneOf(const PlacedLight& light, const LightBundle& bundle) const {
+    FLARE_CHECK(tables_);
     SampleScene scene{
-        *request_.lens, bundle, light.pose, iris_, tables_, {}, MapOf(request_, light.pose)};
+        *request_.lens, bundle, light.pose, iris_, *tables_, {}, MapOf(request_, light.pose)};
     if (request_.color == ColorMode::kSpectral) {
-        scene.weights.assign(tables_.wavelengths_nm().size(), light.irradiance.x);
+        scene.weights.assign(tables_->wavelengths_nm().size(), light.irradiance.x);
     } else {
         scene.weights = ColourWeights(light);
     }

@@ -44,6 +44,9 @@ class GhostPlanner {
     GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
                  ThreadPool& threads);
 
+    // Before anything is sampled; takes all threads. Does nothing when called again.
+    void MakeTables();
+
     // A light's ghosts looked at, one sample a sequence. Unfinished when cancelled.
     std::vector<GhostSample> Sample(const PlacedLight& light,
                                     const std::vector<BounceSequence>& sequences,
@@ -75,7 +78,8 @@ class GhostPlanner {
     const FlareRequest& request_;
     const Iris& iris_;
     double scene_factor_;
-    TransmissionTables tables_;
+    ThreadPool& threads_;
+    std::optional<TransmissionTables> tables_;
 };
 
 }  // namespace flare

@@ -88,9 +88,9 @@ std::size_t KeptGhost::bytes() const {
     std::size_t sum = sizeof(KeptGhost) + BytesOf(left.row_at) + BytesOf(left.rgb);
     if (tiles) {
         sum += BytesOf(tiles->smooth) + BytesOf(tiles->edges) + BytesOf(tiles->straight_edges) +
-               BytesOf(tiles->arc_edges) + BytesOf(tiles->pictured) +
-               BytesOf(tiles->fringe_edges) + BytesOf(tiles->band_rgb) +
-               BytesOf(tiles->band_sharpness) + BytesOf(tiles->band_weights) + BytesOf(tiles->left);
+               BytesOf(tiles->arc_edges) + BytesOf(tiles->pictured) + BytesOf(tiles->fringe_edges) +
+               BytesOf(tiles->band_rgb) + BytesOf(tiles->band_sharpness) +
+               BytesOf(tiles->band_weights) + BytesOf(tiles->left);
     }
     if (fringes) sum += BytesOf(fringes->tables) + BytesOf(fringes->crossings);
     return sum;
@@ -138,6 +138,21 @@ GhostKeys::GhostKeys(const RenderScene& scene, const PlacedLight& light, const G
     to.Add(static_cast<std::int64_t>(request.wavelengths_nm.size()));
     for (const double nm : request.wavelengths_nm) to.Add(nm);
     common_ = to.value();
+}
+
+std::size_t SeenGhosts::bytes() const {
+    return sizeof(SeenGhosts) + BytesOf(samples) + BytesOf(motions);
+}
+
+Fingerprint GhostKeys::OfSeen(const std::vector<BounceSequence>& sequences) const {
+    Fingerprinter to;
+    to.Add("seen").Add(common_).Add(scene_.units_factor);
+    to.Add(static_cast<std::int64_t>(sequences.size()));
+    for (const BounceSequence& sequence : sequences) {
+        to.Add(static_cast<std::int64_t>(sequence.size()));
+        for (const int surface : sequence) to.Add(surface);
+    }
+    return to.value();
 }
 
 Fingerprint GhostKeys::Of(const BounceSequence& sequence, double weight) const {

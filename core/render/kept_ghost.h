@@ -9,10 +9,12 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/base/fingerprint.h"
 #include "core/render/error_estimate.h"
 #include "core/render/ghost_builder.h"
+#include "core/render/ghost_motion.h"
 #include "core/render/lights.h"
 #include "core/render/render_scene.h"
 #include "core/render/report.h"
@@ -36,12 +38,22 @@ struct KeptGhost {
 std::shared_ptr<const KeptGhost> KeptOf(const GhostBuilder::Built& built, LeftPixels left);
 GhostBuilder::Built BuiltOf(const KeptGhost& kept);
 
+// What is looked at before a light's ghosts are chosen (ghost_plan.h).
+struct SeenGhosts {
+    std::vector<GhostSample> samples;
+    std::vector<std::optional<GhostMotion>> motions;
+
+    std::size_t bytes() const;
+};
+
 // Where kept ghosts are. Called from several threads at once.
 class GhostKeeper {
   public:
     virtual ~GhostKeeper() = default;
     virtual std::shared_ptr<const KeptGhost> Find(const Fingerprint& key) = 0;  // or null
     virtual void Keep(const Fingerprint& key, std::shared_ptr<const KeptGhost> ghost) = 0;
+    virtual std::shared_ptr<const SeenGhosts> FindSeen(const Fingerprint& key) = 0;
+    virtual void KeepSeen(const Fingerprint& key, std::shared_ptr<const SeenGhosts> ghosts) = 0;
 };
 
 // Names what GhostBuilder::Build makes for one light.
@@ -50,6 +62,8 @@ class GhostKeys {
     GhostKeys(const RenderScene& scene, const PlacedLight& light, const GhostCanvas& canvas,
               bool with_flux);
     Fingerprint Of(const BounceSequence& sequence, double weight) const;
+    // What they are chosen by.
+    Fingerprint OfSeen(const std::vector<BounceSequence>& sequences) const;
 
   private:
     const RenderScene& scene_;

@@ -42,6 +42,7 @@ SceneSurvey::SceneSurvey(const FlareRequest& request, double tolerance,
       scene_(request_),
       planner_(request_, scene_.iris, scene_.units_factor, context.threads) {
     if (!request_.layers.ghosts) return;
+    planner_.MakeTables();
     sequences_ = TwoReflectionSequences(scene_.lens, request_.model.sensor_reflection);
     const GhostBuilder builder(scene_, context);
     const GhostCanvas canvas = GhostCanvas::Of(scene_, nullptr);

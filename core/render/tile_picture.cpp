@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kBlock = kLargestTile;  // pixels a side; a strip is a row of blocks
 constexpr int kFinest = TileSize(kTileLevels - 1);
+constexpr std::size_t kCornerNumbers = 12;
 
 int FloorDiv(int value, int by) {
     return value >= 0 ? value / by : -((-value + by - 1) / by);
@@ -78,8 +79,7 @@ LeftPixels::LeftPixels(const GhostTiles& tiles) {
     std::uint32_t count = 0;
     for (std::size_t row = 0; row < static_cast<std::size_t>(tiles.left_height); ++row) {
         row_at.push_back(count);
-        const auto begin =
-            tiles.left.begin() + static_cast<std::ptrdiff_t>(row) * tiles.left_width;
+        const auto begin = tiles.left.begin() + static_cast<std::ptrdiff_t>(row) * tiles.left_width;
         count += static_cast<std::uint32_t>(std::count_if(
             begin, begin + tiles.left_width, [](std::uint8_t left) { return left != 0; }));
     }
@@ -87,6 +87,7 @@ LeftPixels::LeftPixels(const GhostTiles& tiles) {
 }
 
 struct TilePicture::Strip {
+    int row = 0;                   // of blocks, from the frame's middle
     int y0 = 0, y1 = 0;            // rows of the padded window
     std::vector<double> polygons;  // of a block
 };
@@ -111,14 +112,17 @@ TilePicture::TilePicture(const PixelWindow& window, int width, int height, doubl
         plane.x0 = x0 / size;
         plane.y0 = y0 / size;
         plane.width = padded_.width / size;
-        plane.lit.assign(static_cast<std::size_t>(padded_.height / size), 0);
+        plane.height = padded_.height / size;
+        plane.lit.assign(
+            static_cast<std::size_t>(plane.words()) * static_cast<std::size_t>(plane.height), 0);
     }
-    for (std::vector<float>& plane : pixels_) plane.assign(padded_.pixels(), 0.0F);
+    for (auto& plane : pixels_) plane = std::make_unique_for_overwrite<float[]>(padded_.pixels());
+    inked_.assign(static_cast<std::size_t>(padded_.height / kBlock), 0);
 }
 
 void TilePicture::Clear() {
-    for (Plane& plane : planes_) std::fill(plane.corners.begin(), plane.corners.end(), 0.0F);
-    for (std::vector<float>& plane : pixels_) std::fill(plane.begin(), plane.end(), 0.0F);
+    for (Plane& plane : planes_) std::fill(plane.lit.begin(), plane.lit.end(), 0);
+    std::fill(inked_.begin(), inked_.end(), std::uint8_t{0});
 }
 
 PictureMap TilePicture::MapFromMiddle(PictureMap map) const {
@@ -139,6 +143,7 @@ TilePicture::Drawn TilePicture::Draw(const std::vector<TiledGhost>& ghosts, cons
     MakeRoom(ghosts);
     threads.For(strips, [&](int s) {
         Strip strip;
+        strip.row = padded_.y / kBlock + s;
         strip.y0 = padded_.y + s * kBlock;
         strip.y1 = std::min(strip.y0 + kBlock, padded_.y + padded_.height);
         for (std::size_t n = 0; n < ghosts.size(); ++n) {
@@ -175,21 +180,32 @@ void TilePicture::MakeRoom(const std::vector<TiledGhost>& ghosts) {
     }
     for (std::size_t l = 0; l < kTileLevels; ++l) {
         Plane& plane = planes_[l];
-        if (!wanted[l] || !plane.corners.empty()) continue;
-        plane.corners.assign(static_cast<std::size_t>(plane.width) * plane.lit.size() * 12, 0.0F);
+        if (!wanted[l] || plane.corners) continue;
+        plane.corners = std::make_unique_for_overwrite<float[]>(
+            static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height) *
+            kCornerNumbers);
     }
 }
 
+void TilePicture::Ink(const Strip& strip) {
+    std::uint8_t& inked = inked_[static_cast<std::size_t>((strip.y0 - padded_.y) / kBlock)];
+    if (inked != 0) return;
+    inked = 1;
+    const auto pixels = static_cast<std::ptrdiff_t>(strip.y1 - strip.y0) * padded_.width;
+    for (std::size_t c = 0; c < 3; ++c) std::fill_n(Row(c, strip.y0), pixels, 0.0F);
+}
+
 void TilePicture::DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn) {
-    for (const SmoothTile& tile : tiles.smooth) {
-        const int y = tile.y * TileSize(tile.level);
-        if (y < strip.y0 || y >= strip.y1) continue;
+    for (const SmoothTile& tile : tiles.smooth_rows.In(tiles.smooth, strip.row)) {
         Plane& plane = planes_[static_cast<std::size_t>(tile.level)];
-        plane.lit[static_cast<std::size_t>(tile.y - plane.y0)] = 1;
-        float* const at = &plane.corners[(static_cast<std::size_t>(tile.y - plane.y0) *
-                                              static_cast<std::size_t>(plane.width) +
-                                          static_cast<std::size_t>(tile.x - plane.x0)) *
-                                         12];
+        const auto x = static_cast<std::size_t>(tile.x - plane.x0);
+        const auto y = static_cast<std::size_t>(tile.y - plane.y0);
+        std::uint64_t& word = plane.lit[y * static_cast<std::size_t>(plane.words()) + x / 64];
+        const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+        float* const at =
+            &plane.corners[(y * static_cast<std::size_t>(plane.width) + x) * kCornerNumbers];
+        if ((word & bit) == 0) std::fill_n(at, kCornerNumbers, 0.0F);
+        word |= bit;
         for (std::size_t n = 0; n < 4; ++n) {
             for (std::size_t c = 0; c < 3; ++c) at[3 * n + c] += tile.corners[n][c];
         }
@@ -201,12 +217,12 @@ void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Str
                             Drawn& drawn) {
     const GhostTiles& tiles = *ghost.tiles;
     const GhostFringes* const fringes = ghost.light.fringes.get();
-    TilePixels pixels;
+    const std::span<const EdgeTile> edges = tiles.edge_rows.In(tiles.edges, strip.row);
+    if (edges.empty()) return;
+    Ink(strip);
     std::vector<float> pass;
-    for (const EdgeTile& tile : tiles.edges) {
+    for (const EdgeTile& tile : edges) {
         const int size = TileSize(tile.level);
-        const int y = tile.y * size;
-        if (y < strip.y0 || y >= strip.y1) continue;
         EdgeShade shade;
         shade.size = size;
         shade.straight = tile.straight;
@@ -233,15 +249,10 @@ void TilePicture::DrawEdges(const TiledGhost& ghost, const Iris& iris, const Str
             FindTilePass(tiles, tile, *iris.picture(), pass);
             shade.pass = pass.data();
         }
-        ShadeEdge(shade, pixels);
-        const auto x = static_cast<std::size_t>(tile.x * size - padded_.x);
-        for (std::size_t c = 0; c < 3; ++c) {
-            for (int row = 0; row < size; ++row) {
-                float* const to = Row(c, y + row) + x;
-                const float* const from = pixels.rgb[c] + row * kLargestEdgeTile;
-                for (int i = 0; i < size; ++i) to[i] += from[i];
-            }
-        }
+        std::array<float*, 3> to{};
+        for (std::size_t c = 0; c < 3; ++c)
+            to[c] = Row(c, tile.y * size) + (tile.x * size - padded_.x);
+        ShadeEdge(shade, to.data(), padded_.width);
         ++drawn.pieces;
         drawn.fragments += static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
     }
@@ -282,6 +293,7 @@ void TilePicture::DrawBlock(const TiledGhost& ghost, const PixelWindow& box, con
                             const PictureMap& map, const WalkTolerance& tolerance, Strip& strip,
                             LeftPixels* kept, Drawn& drawn) {
     const GhostTiles& tiles = *ghost.tiles;
+    Ink(strip);
     strip.polygons.assign(box.pixels() * kColourStride, 0.0);
     RasterTarget target;
     target.x0 = box.x;
@@ -340,6 +352,7 @@ void TilePicture::AddLeft(const TiledGhost& ghost, const Strip& strip, Drawn& dr
     const GhostTiles& tiles = *ghost.tiles;
     const int first = std::max(tiles.left_y, strip.y0 / kFinest);
     const int end = std::min(tiles.left_y + tiles.left_height, strip.y1 / kFinest);
+    if (first < end) Ink(strip);
     for (int y = first; y < end; ++y) {
         const auto row = static_cast<std::size_t>(y - tiles.left_y);
         const float* from = ghost.left->rgb.data() + ghost.left->row_at[row] * kLeftNumbers;
@@ -372,21 +385,29 @@ void TilePicture::ResolveRow(int row, double factor,
     constexpr float kMost = std::numeric_limits<float>::max();
     thread_local std::array<std::vector<float>, 3> lines;
     const int y = row + window_.y;
+    const bool inked = inked_[static_cast<std::size_t>((y - padded_.y) / kBlock)] != 0;
     std::array<float*, 3> line{};
     for (std::size_t c = 0; c < 3; ++c) {
-        const float* const from = pixels_[c].data() + static_cast<std::size_t>(y - padded_.y) *
-                                                          static_cast<std::size_t>(padded_.width);
-        lines[c].assign(from, from + padded_.width);
+        const auto width = static_cast<std::size_t>(padded_.width);
+        const float* const from =
+            pixels_[c].get() + static_cast<std::size_t>(y - padded_.y) * width;
+        if (inked) {
+            lines[c].assign(from, from + width);
+        } else {
+            lines[c].assign(width, 0.0F);
+        }
         line[c] = lines[c].data();
     }
     for (int l = 0; l < kTileLevels; ++l) {
         const Plane& plane = planes_[static_cast<std::size_t>(l)];
+        if (!plane.corners) continue;
         const int size = TileSize(l);
         const int tile = FloorDiv(y, size);
-        if (plane.lit[static_cast<std::size_t>(tile - plane.y0)] == 0) continue;
-        ExpandTiles(&plane.corners[static_cast<std::size_t>(tile - plane.y0) *
-                                   static_cast<std::size_t>(plane.width) * 12],
-                    plane.width, size, y - tile * size, line.data());
+        const auto tile_row = static_cast<std::size_t>(tile - plane.y0);
+        ExpandTiles(
+            plane.corners.get() + tile_row * static_cast<std::size_t>(plane.width) * kCornerNumbers,
+            &plane.lit[tile_row * static_cast<std::size_t>(plane.words())], plane.words(), size,
+            y - tile * size, line.data());
     }
     // Floats will do unless the factor itself is beyond their range.
     const bool tame = factor > 1e-30 && factor < 1e30;

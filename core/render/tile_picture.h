@@ -75,12 +75,16 @@ class TilePicture {
   private:
     struct Strip;
     struct Plane {
-        int x0 = 0, y0 = 0, width = 0;  // in tiles
-        std::vector<float> corners;     // [tile][corner][channel]; empty until a tile comes
-        std::vector<std::uint8_t> lit;  // rows that hold any
+        int x0 = 0, y0 = 0, width = 0, height = 0;  // in tiles
+        // [tile][corner][channel]; none until a tile comes, and no value before the tile is lit.
+        std::unique_ptr<float[]> corners;
+        std::vector<std::uint64_t> lit;  // [row][word]: a bit a tile
+        int words() const { return (width + 63) / 64; }
     };
 
     void MakeRoom(const std::vector<TiledGhost>& ghosts);
+    // Makes a strip's pixels dark, once.
+    void Ink(const Strip& strip);
     void DrawSmooth(const GhostTiles& tiles, const Strip& strip, Drawn& drawn);
     void DrawEdges(const TiledGhost& ghost, const Iris& iris, const Strip& strip, Drawn& drawn);
     void DrawLeft(const TiledGhost& ghost, const Iris& iris, const PictureMap& map,
@@ -92,7 +96,7 @@ class TilePicture {
     void AddLeft(const TiledGhost& ghost, const Strip& strip, Drawn& drawn);
     void ResolveRow(int row, double factor, std::array<std::vector<float>, 3>& planes) const;
     float* Row(std::size_t channel, int y) {
-        return pixels_[channel].data() +
+        return pixels_[channel].get() +
                static_cast<std::size_t>(y - padded_.y) * static_cast<std::size_t>(padded_.width);
     }
 
@@ -101,7 +105,9 @@ class TilePicture {
     int middle_x_ = 0, middle_y_ = 0;
     double unit_ = 1.0;
     std::array<Plane, kTileLevels> planes_;
-    std::array<std::vector<float>, 3> pixels_;  // of padded_
+    // Of padded_; a strip's have no value before it is inked.
+    std::array<std::unique_ptr<float[]>, 3> pixels_;
+    std::vector<std::uint8_t> inked_;
 };
 
 }  // namespace flare

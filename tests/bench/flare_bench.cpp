@@ -27,6 +27,7 @@
 #include "core/render/renderer.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "core/tracing/trace_columns.h"
+#include "server/cache/ghost_cache.h"
 #include "server/cache/mesh_cache.h"
 #include "server/service.h"
 #include "tests/support/library_exr.h"
@@ -189,15 +190,20 @@ const FlareImage& Converged(const std::string& name, FlareRequest request) {
         .first->second;
 }
 
-// With its meshes in the cache, to planes of floats. A time without its error is worth nothing:
+// What a picture finds of the one before: its meshes, or the ghosts as they were drawn as well.
+enum class Known { kMeshes, kGhosts };
+
+// To planes of floats. A time without its error is worth nothing:
 // `rel_l1` and `energy` are measured against the converged picture, outside the timing;
 // `estimated` is what the report says.
 void RenderWarm(benchmark::State& state, const std::string& name, FlareRequest request,
-                QualityPreset quality) {
+                QualityPreset quality, Known known) {
     const FlareImage& converged = Converged(name, request);
     ThreadPool threads(Threads());
     MeshCache cache(std::size_t{1} << 30);
-    const RenderContext context{threads, cache, CancelToken(), NowMs};
+    GhostCache ghosts(std::size_t{1} << 28);
+    RenderContext context{threads, cache, CancelToken(), NowMs};
+    if (known == Known::kGhosts) context.ghosts = &ghosts;
     request.quality = quality;
     const Result<Rendering> first = Render(request, context);
     if (!first) {
@@ -370,10 +376,14 @@ int main(int argc, char** argv) {
                                 flare::QualityPreset quality) {
         const std::string preset =
             quality == flare::QualityPreset::kPreview ? "_preview" : "_final";
-        RegisterBenchmark(("render/" + lens + "_1080p" + preset + "_warm").c_str(),
-                          flare::RenderWarm, lens, request, quality)
-            ->Unit(milliseconds)
-            ->UseRealTime();
+        const std::string name = "render/" + lens + "_1080p" + preset;
+        for (const auto known : {flare::Known::kGhosts, flare::Known::kMeshes}) {
+            const char* const what = known == flare::Known::kGhosts ? "_warm" : "_meshes";
+            RegisterBenchmark((name + what).c_str(), flare::RenderWarm, lens, request, quality,
+                              known)
+                ->Unit(milliseconds)
+                ->UseRealTime();
+        }
     };
     for (const int f : {2, 4, 8}) {
         for (const auto quality : {flare::QualityPreset::kPreview, flare::QualityPreset::kFinal}) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace flare {
@@ -98,6 +100,15 @@ StraightEdge Line(float nx, float ny, float offset, int size) {
     return edge;
 }
 
+// An edge tile shaded onto darkness.
+struct TilePixels {
+    explicit TilePixels(const EdgeShade& tile) {
+        float* const planes[3] = {rgb[0], rgb[1], rgb[2]};
+        ShadeEdge(tile, planes, kLargestEdgeTile);
+    }
+    float rgb[3][kLargestEdgeTile * kLargestEdgeTile] = {};
+};
+
 double SumOf(const TilePixels& pixels, int channel, int size) {
     double sum = 0.0;
     for (int y = 0; y < size; ++y) {
@@ -112,8 +123,7 @@ TEST(ShadeEdge, CoversTheAreaOnTheInsideOfALine) {
         const StraightEdge edge = Line(1.0F, 0.0F, 2.7F, size);
         tile.straight = 1;
         tile.straight_edges = &edge;
-        TilePixels pixels;
-        ShadeEdge(tile, pixels);
+        const TilePixels pixels(tile);
         EXPECT_NEAR(SumOf(pixels, 1, size), 2.0 * 2.7 * size, 1e-3);
         EXPECT_FLOAT_EQ(pixels.rgb[0][1], 2.0F);
         EXPECT_NEAR(pixels.rgb[0][2], 1.4F, 1e-5);
@@ -121,8 +131,7 @@ TEST(ShadeEdge, CoversTheAreaOnTheInsideOfALine) {
         // A slanting one: the triangle below x + y = 5 (a pixel's ramp is exact in the mean).
         const StraightEdge slant = Line(1.0F, 1.0F, 3.0F, size);
         tile.straight_edges = &slant;
-        ShadeEdge(tile, pixels);
-        EXPECT_NEAR(SumOf(pixels, 1, size), 2.0 * 0.5 * 9.0, 0.6);
+        EXPECT_NEAR(SumOf(TilePixels(tile), 1, size), 2.0 * 0.5 * 9.0, 0.6);
     }
 }
 
@@ -140,8 +149,7 @@ TEST(ShadeEdge, CoversTheAreaWithinAnArc) {
     arc.per_y_y = 0.5F;
     tile.arcs = 1;
     tile.arc_edges = &arc;
-    TilePixels pixels;
-    ShadeEdge(tile, pixels);
+    const TilePixels pixels(tile);
     EXPECT_NEAR(SumOf(pixels, 2, kSize), 2.0 * 0.25 * 3.14159265 * 81.0, 0.6);
 }
 
@@ -163,13 +171,30 @@ TEST(ShadeEdge, SpreadsABandsEdgeOverItsNeighbours) {
     tile.band_weights = weights;
     tile.band_rgb = rgb;
     tile.band_sharpness = sharpness;
-    TilePixels pixels;
-    ShadeEdge(tile, pixels);
+    const TilePixels pixels(tile);
     EXPECT_NEAR(SumOf(pixels, 0, kSize), 3.0 * 4.0 * kSize, 1e-2);
     EXPECT_NEAR(SumOf(pixels, 2, kSize), 5.0 * 12.0 * kSize, 1e-2);
     EXPECT_EQ(SumOf(pixels, 1, kSize), 0.0);
     EXPECT_FLOAT_EQ(pixels.rgb[2][9], 5.0F);
     EXPECT_NEAR(pixels.rgb[2][12], 5.0F * 0.375F, 1e-4) << "half a pixel beyond, four wide";
+}
+
+TEST(ShadeEdge, AddsToWhatIsThereAndNothingBeside) {
+    EdgeShade tile = EvenTile(4);
+    const StraightEdge edge = Line(1.0F, 0.0F, 2.0F, 4);
+    tile.straight = 1;
+    tile.straight_edges = &edge;
+    constexpr std::ptrdiff_t kStride = 24;
+    std::vector<float> plane(6 * kStride, 1.0F);
+    float* const at = plane.data() + kStride + 5;
+    float* const planes[3] = {at, at, at};  // three times 2
+    ShadeEdge(tile, planes, kStride);
+    for (std::ptrdiff_t n = 0; n < std::ssize(plane); ++n) {
+        const std::ptrdiff_t x = n % kStride;
+        const std::ptrdiff_t y = n / kStride;
+        const bool lit = y >= 1 && y < 5 && x >= 5 && x < 7;
+        EXPECT_FLOAT_EQ(plane[static_cast<std::size_t>(n)], lit ? 7.0F : 1.0F) << x << ' ' << y;
+    }
 }
 
 TEST(ExpandTiles, IsBilinearAtPixelCentres) {
@@ -187,7 +212,8 @@ TEST(ExpandTiles, IsBilinearAtPixelCentres) {
         for (auto& plane : planes) plane.assign(width, 0.5F);
         float* rows[3] = {planes[0].data(), planes[1].data(), planes[2].data()};
         const int row = size / 2 - 1;
-        ExpandTiles(corners.data(), 2, size, row, rows);
+        const std::uint64_t lit = 3;
+        ExpandTiles(corners.data(), &lit, 1, size, row, rows);
         for (int x = 0; x < 2 * size; ++x) {
             const float u = (static_cast<float>(x % size) + 0.5F) / static_cast<float>(size);
             const float v = (static_cast<float>(row) + 0.5F) / static_cast<float>(size);
@@ -199,6 +225,17 @@ TEST(ExpandTiles, IsBilinearAtPixelCentres) {
             }
         }
     }
+}
+
+TEST(ExpandTiles, PassesOverWhatIsNotLit) {
+    std::vector<float> corners(70 * 12, 1.0F);
+    std::fill(corners.begin(), corners.begin() + 12, std::numeric_limits<float>::quiet_NaN());
+    std::vector<float> plane(70 * 4, 0.0F);
+    float* const rows[3] = {plane.data(), plane.data(), plane.data()};
+    const std::uint64_t lit[2] = {2, std::uint64_t{1} << 5};  // tiles 1 and 69
+    ExpandTiles(corners.data(), lit, 2, 4, 0, rows);
+    for (std::size_t x = 0; x < plane.size(); ++x)
+        EXPECT_FLOAT_EQ(plane[x], x / 4 == 1 || x / 4 == 69 ? 3.0F : 0.0F) << x;
 }
 
 }  // namespace
