@@ -56,7 +56,7 @@ class CellSurvey {
 
     // A small cell is one part: about a tile.
     static int PartsFor(const FittedCell& cell) {
-        constexpr float kPart_px = 32.0F;
+        constexpr float kPart_px = 48.0F;
         constexpr int kMost = 3;
         float extent = 0.0F;
         for (const PixelBox& box : cell.boxes)

@@ -211,7 +211,7 @@ struct GhostWalk::Work {
                        double& v) const {
         constexpr double kStep_t = 0.3;
         // Coarse pictures get coarse pieces; fringes are averaged over each.
-        const double coarse = std::max(1.0, 0.7 * tolerance.smallest_px);
+        const double coarse = std::max(1.0, 0.4 * tolerance.smallest_px);
         const GhostFringes& fringes = *ghost.fringes;
         const double step_mm =
             coarse * kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);

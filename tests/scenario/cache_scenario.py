@@ -62,7 +62,8 @@ class CacheScenario(Scenario):
     def test_a_tiny_cache_evicts_and_gives_the_same_bytes(self):
         requests = [small_request(lights=[{"direction": [0.05 * i, 0.02, 1.0]}])
                     for i in range(3)]
-        with Daemon() as roomy, Daemon("--cache-mb", "2") as tiny:
+        tiny_options = ("--cache-mb", "2", "--ghost-cache-mb", "0")
+        with Daemon() as roomy, Daemon(*tiny_options) as tiny:
             expected = [self.assert_ok(roomy.flare(request)).body for request in requests]
             for _ in range(2):
                 got = [self.assert_ok(tiny.flare(request)).body for request in requests]
@@ -71,6 +72,30 @@ class CacheScenario(Scenario):
             self.assertGreater(metrics["flared_mesh_cache_evictions_total"], 0)
             self.assertLessEqual(metrics["flared_mesh_cache_bytes"], 2 << 20)
             self.assertGreater(metrics[RAYS], roomy.metric(RAYS))
+
+    def test_ghosts_are_kept_within_their_bound(self):
+        one = {"direction": [0.05, 0.02, 1.0]}
+        other = {"direction": [0.1, 0.02, 1.0]}
+        with Daemon() as daemon:
+            first = self.assert_ok(daemon.flare(small_request(lights=[one])))
+            self.assertEqual(first.report["work"]["ghost_cache_hits"], 0)
+            again = self.assert_ok(daemon.flare(small_request(lights=[one])))
+            hits = again.report["work"]["ghost_cache_hits"]
+            self.assertGreater(hits, 0)
+            self.assertEqual(hits, again.report["work"]["mesh_cache_hits"])
+            self.assertEqual(again.body, first.body)
+            both = self.assert_ok(daemon.flare(small_request(lights=[one, other])))
+            self.assertEqual(both.report["work"]["ghost_cache_hits"], hits)
+            self.assertEqual(daemon.metric("flared_ghost_cache_hits_total"), 2 * hits)
+            self.assertGreater(daemon.metric("flared_ghost_cache_bytes"), 0)
+        with Daemon("--ghost-cache-mb", "1") as tiny, Daemon("--ghost-cache-mb", "0") as none:
+            for n in range(24):
+                request = small_request(lights=[{"direction": [0.01 * n, 0.02, 1.0]}])
+                self.assertEqual(self.assert_ok(tiny.flare(request)).body,
+                                 self.assert_ok(none.flare(request)).body)
+            self.assertGreater(tiny.metric("flared_ghost_cache_evictions_total"), 0)
+            self.assertLessEqual(tiny.metric("flared_ghost_cache_bytes"), 1 << 20)
+            self.assertEqual(none.metric("flared_ghost_cache_bytes"), 0)
 
     def test_the_same_bytes_everywhere(self):
         request = small_request(iris={"blades": 7})
