@@ -120,30 +120,38 @@ class LightPoints {
         return static_cast<std::uint32_t>(points_.size() - 1);
     }
 
+    // A few points at a time side by side, or every number would be written to a line of its own.
     void Gather(std::size_t first, std::size_t count) {
+        constexpr std::size_t kBeside = 16;
         const auto passages = static_cast<std::size_t>(mesh_.passage_count());
         const std::size_t nodes = mesh_.grids.front().nodes.size();
         columns_.Resize(nodes, passages, count);
         sums_.resize(passages);
-        float* const sums = sums_.data();
-        for (std::size_t k = 0; k < count; ++k) {
-            const Point& point = points_[first + k];
-            for (std::size_t n = 0; n < nodes; ++n) {
-                const float* const all = point.grid->nodes[n].passage.data();
-                std::fill_n(sums, passages, 0.0F);
-                for (std::size_t c = 0; c < point.count; ++c) {
-                    const float share = point.shares[c];
-                    const float* const at = all + point.vertices[c] * passages;
-                    for (std::size_t s = 0; s < passages; ++s) sums[s] += share * at[s];
+        beside_.resize(passages * kBeside);
+        for (std::size_t n = 0; n < nodes; ++n) {
+            for (std::size_t start = 0; start < columns_.stride; start += kBeside) {
+                for (std::size_t k = 0; k < kBeside; ++k) {
+                    // The last columns are filled up with the last point.
+                    if (start + k < count) Mix(points_[first + start + k], n);
+                    for (std::size_t s = 0; s < passages; ++s) beside_[s * kBeside + k] = sums_[s];
                 }
-                float* const out = &columns_.values[n * passages * columns_.stride + k];
-                for (std::size_t s = 0; s < passages; ++s) out[s * columns_.stride] = sums[s];
+                float* const out = &columns_.values[n * passages * columns_.stride + start];
+                for (std::size_t s = 0; s < passages; ++s)
+                    std::copy_n(&beside_[s * kBeside], kBeside, out + s * columns_.stride);
             }
         }
-        // The last columns are filled up with the last point.
-        for (std::size_t row = 0; row < nodes * passages; ++row) {
-            float* const values = &columns_.values[row * columns_.stride];
-            std::fill(values + count, values + columns_.stride, values[count - 1]);
+    }
+
+    // A point's passages at one node, to sums_.
+    void Mix(const Point& point, std::size_t node) {
+        const float* const all = point.grid->nodes[node].passage.data();
+        const std::size_t passages = sums_.size();
+        float* const sums = sums_.data();
+        std::fill_n(sums, passages, 0.0F);
+        for (std::size_t c = 0; c < point.count; ++c) {
+            const float share = point.shares[c];
+            const float* const at = all + point.vertices[c] * passages;
+            for (std::size_t s = 0; s < passages; ++s) sums[s] += share * at[s];
         }
     }
 
@@ -152,7 +160,7 @@ class LightPoints {
     const LightBundle& bundle_;
     std::vector<Point> points_;
     PassageColumns columns_;
-    std::vector<float> sums_;  // scratch of Gather
+    std::vector<float> sums_, beside_;  // scratch of Gather
 };
 
 namespace {
