@@ -271,6 +271,38 @@ struct Fringes {
     }
 };
 
+// What tells of a row of a dispersed tile, from its distances at the traced wavelengths alone, that
+// every band is wholly within its edge there, or wholly without.
+struct BandReach {
+    float beyond = 0.0F;  // a band's distance lies within the traced ones', widened by this share
+    float half = 0.0F;    // of the widest band's edge
+    float whole[3] = {};  // light of all bands
+
+    explicit BandReach(const EdgeShade& tile) {
+        for (int b = 0; b < tile.bands; ++b) {
+            float negative = 0.0F;
+            for (int k = 0; k < kTracedInTiles; ++k)
+                negative += std::max(0.0F, -tile.band_weights[b * kTracedInTiles + k]);
+            // The weights add up to one but for their rounding.
+            beyond = std::max(beyond, negative + 1e-3F);
+            half = std::max(half, 0.5F / tile.band_sharpness[b]);
+            for (int c = 0; c < 3; ++c) whole[c] += tile.band_rgb[3 * b + c];
+        }
+        half += 1e-3F;
+    }
+
+    enum class Side { kEdge, kWithin, kWithout };
+    template <class D, class V = hn::Vec<D>>
+    HWY_INLINE Side Of(D tag, const V* over) const {
+        const V most = hn::Max(hn::Max(over[0], over[1]), over[2]);
+        const V least = hn::Min(hn::Min(over[0], over[1]), over[2]);
+        const V room = hn::MulAdd(hn::Sub(most, least), hn::Set(tag, beyond), hn::Set(tag, half));
+        if (hn::AllTrue(tag, hn::Le(hn::Add(most, room), hn::Zero(tag)))) return Side::kWithin;
+        if (hn::AllTrue(tag, hn::Ge(hn::Sub(least, room), hn::Zero(tag)))) return Side::kWithout;
+        return Side::kEdge;
+    }
+};
+
 template <int kSize>
 HWY_INLINE void ShadeSize(const EdgeShade& tile, float* const* planes, std::ptrdiff_t stride) {
     const hn::CappedTag<float, kSize> tag;
@@ -290,6 +322,8 @@ HWY_INLINE void ShadeSize(const EdgeShade& tile, float* const* planes, std::ptrd
     Bilinear light[3];
     for (int c = 0; c < 3; ++c) light[c] = BilinearOf(tile.light[c], kSize);
     Fringes<D> fringes(tile);
+    const BandReach reach(tile);
+    const bool plain = tile.fringes == 0 && tile.pass == nullptr;
     const V half = hn::Set(tag, 0.5F);
     const V one = hn::Set(tag, 1.0F);
     const V zero = hn::Zero(tag);
@@ -316,7 +350,13 @@ HWY_INLINE void ShadeSize(const EdgeShade& tile, float* const* planes, std::ptrd
                 if (tile.pass != nullptr) cover = hn::Mul(cover, hn::LoadU(tag, tile.pass + at));
                 for (int c = 0; c < 3; ++c) rgb[c] = hn::Mul(cover, RowOf(tag, light[c], j, i));
             } else {
-                for (int b = 0; b < tile.bands; ++b) {
+                const auto side = plain ? reach.Of(tag, over) : BandReach::Side::kEdge;
+                if (side == BandReach::Side::kWithout) continue;
+                if (side == BandReach::Side::kWithin) {
+                    for (int c = 0; c < 3; ++c) rgb[c] = hn::Set(tag, reach.whole[c]);
+                }
+                const int bands = side == BandReach::Side::kEdge ? tile.bands : 0;
+                for (int b = 0; b < bands; ++b) {
                     const float* const w = tile.band_weights + b * kTracedInTiles;
                     const V sharp = hn::Set(tag, tile.band_sharpness[b]);
                     const V edge = hn::MulAdd(hn::Set(tag, w[0]), over[0],
