@@ -62,9 +62,8 @@ Result<ServiceReply> ServeFlare(std::string_view body, ReplyFormat format,
     if (!request) return request.error();
     if (*encoder) SetTStop(**encoder, wire_request, *request);
 
-    Result<Rendering> rendering =
-        Render(*request, {context.threads, context.meshes, context.cancel, context.now_ms,
-                          context.ghosts});
+    Result<Rendering> rendering = Render(*request, {context.threads, context.meshes, context.cancel,
+                                                    context.now_ms, context.keeper});
     if (!rendering) return rendering.error();
     FlareImage& image = rendering->image;
     Report& report = rendering->report;

@@ -22,7 +22,7 @@ namespace flare {
 
 enum class ReplyFormat { kExr, kPng, kHalfPlanes };
 
-class GhostKeeper;
+class RenderKeeper;
 
 struct ServiceContext {
     const LensLibrary& lenses;
@@ -33,7 +33,7 @@ struct ServiceContext {
     SpareBytes* spare = nullptr;           // where replies have their memory from, or none
     const EncoderSet* encoders = nullptr;  // that requests may name; null: none
     WarmAhead* ahead = nullptr;            // is told what was asked of encoders; null: nobody
-    GhostKeeper* ghosts = nullptr;         // where ghosts are kept; null: nowhere
+    RenderKeeper* keeper = nullptr;        // of what is kept from picture to picture; null: nothing
 };
 
 // Counted once a request for /metrics.

@@ -268,4 +268,11 @@ double TransmissionTables::Path::Weight(int band, std::span<const double> passag
     return absorbed == 0.0 ? weight : weight * std::exp(-absorbed);
 }
 
+std::size_t TransmissionTables::bytes() const {
+    std::size_t sum = sizeof(TransmissionTables) + wavelengths_nm_.capacity() * sizeof(double) +
+                      faces_.capacity() * sizeof(Face) + tables_.capacity() * sizeof(Table);
+    for (const Table& table : tables_) sum += table.cubics.capacity() * sizeof(table.cubics[0]);
+    return sum;
+}
+
 }  // namespace flare

@@ -68,6 +68,7 @@ class TransmissionTables {
     Path PathOf(const Lens& lens, const BounceSequence& sequence) const;
 
     const std::vector<double>& wavelengths_nm() const { return wavelengths_nm_; }
+    std::size_t bytes() const;
 
   private:
     enum Quantity { kTransmittance, kReflectanceFromRare, kReflectanceFromDense, kQuantities };

@@ -10,6 +10,7 @@
 #include "core/mesh/mesh_builder.h"
 #include "core/render/fringe_plan.h"
 #include "core/render/ghost_estimate.h"
+#include "core/render/kept_tables.h"
 #include "core/render/light_meshes.h"
 #include "core/render/picture.h"
 
@@ -54,22 +55,18 @@ PictureMap GhostCanvas::MapOnto(PictureMap map) const {
 }
 
 GhostBuilder::GhostBuilder(const RenderScene& scene, const RenderContext& context)
-    : scene_(scene),
-      context_(context),
-      bounded_nm_(BoundingWavelengths(scene)) {}
+    : scene_(scene), context_(context), bounded_nm_(BoundingWavelengths(scene)) {}
 
 void GhostBuilder::MakeTables() {
     if (tables_) return;
     const std::vector<double>& asked = scene_.request.wavelengths_nm;
     const bool spectral = scene_.spectral();
-    tables_.emplace(
-        scene_.lens,
+    const std::vector<double> bands =
         spectral ? asked
                  : EvenInWavelength(kSpectrumFirst_nm, SampleWavelength(kSpectrumSamples - 1),
-                                    ColourBandsFor(scene_.lens, scene_.settings)),
-        context_.threads);
-    flux_tables_.emplace(scene_.lens, std::vector<double>{spectral ? asked.front() : kLineD},
-                         context_.threads);
+                                    ColourBandsFor(scene_.lens, scene_.settings));
+    tables_ = TablesOf(scene_.lens, bands, context_);
+    flux_tables_ = TablesOf(scene_.lens, {spectral ? asked.front() : kLineD}, context_);
 }
 
 // Of a ghost that is drawn with a weight, and with what an artist asks of it.

@@ -75,7 +75,7 @@ class GhostBuilder {
     const RenderScene& scene_;
     const RenderContext& context_;
     // Of the drawn bands, and of the wavelength that fluxes are told at.
-    std::optional<TransmissionTables> tables_, flux_tables_;
+    std::shared_ptr<const TransmissionTables> tables_, flux_tables_;
     std::vector<double> bounded_nm_;  // wavelengths that bound where the ghost lands
 };
 

@@ -26,7 +26,7 @@ GhostLayer::GhostLayer(const RenderScene& scene, const RenderContext& context, R
       picture_(scene, context),
       sequences_(TwoReflectionSequences(scene.lens, scene.request.model.sensor_reflection)),
       builder_(scene, context),
-      planner_(scene.request, scene.iris, scene.units_factor, context.threads),
+      planner_(scene.request, scene.iris, scene.units_factor, context),
       error_(scene.lens, scene.settings, scene.spectral()) {
     canvas_ = GhostCanvas::Of(scene, picture_.tiles());
     if (scene.request.split == SplitBy::kGhost) split_.emplace(scene, context);
@@ -94,12 +94,12 @@ std::vector<GhostLayer::Batched> GhostLayer::FindKept(const PlacedLight& light,
                                                       std::span<const PlannedGhost> planned,
                                                       bool reported) const {
     std::vector<Batched> ghosts(planned.size());
-    if (!context_.ghosts || !canvas_.tiles) return ghosts;
+    if (!context_.keeper || !canvas_.tiles) return ghosts;
     const GhostKeys keys(scene_, light, canvas_, reported);
     for (std::size_t n = 0; n < planned.size(); ++n) {
         const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
         ghosts[n].key = keys.Of(sequence, planned[n].weight);
-        ghosts[n].kept = context_.ghosts->Find(ghosts[n].key);
+        ghosts[n].kept = context_.keeper->Find<KeptGhost>(ghosts[n].key);
     }
     return ghosts;
 }
@@ -139,7 +139,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
         facts.model = facts.ringing.model;
         report_.work.Add(built.work);
         ghosts.push_back(std::move(built.ghost));
-        if (context_.ghosts && !batch[n].kept && ghosts.back().tiles) {
+        if (context_.keeper && !batch[n].kept && ghosts.back().tiles) {
             left[n] = LeftPixels(*ghosts.back().tiles);
         }
     }
@@ -153,11 +153,11 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
         if (std::optional<Error> error = split_->Add(sequence, ghosts[n], map, report_.work))
             return error;
     }
-    if (context_.ghosts && canvas_.tiles && !context_.cancel.cancelled()) {
+    if (context_.keeper && canvas_.tiles && !context_.cancel.cancelled()) {
         for (std::size_t n = 0; n < batch.size(); ++n) {
             if (batch[n].kept) continue;
             batch[n].built.ghost = std::move(ghosts[n]);
-            context_.ghosts->Keep(batch[n].key, KeptOf(batch[n].built, std::move(left[n])));
+            context_.keeper->Keep(batch[n].key, KeptOf(batch[n].built, std::move(left[n])));
         }
     }
     report_.work.raster_ms += context_.now_ms() - t1;
@@ -204,15 +204,16 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
 std::pair<std::shared_ptr<const SeenGhosts>, bool> GhostLayer::See(
     const PlacedLight& light, const std::vector<BounceSequence>& sequences, bool reported) {
     Fingerprint key;
-    if (context_.ghosts) {
+    if (context_.keeper) {
         key = GhostKeys(scene_, light, canvas_, reported).OfSeen(sequences);
-        if (auto kept = context_.ghosts->FindSeen(key)) return {std::move(kept), true};
+        if (auto kept = context_.keeper->Find<SeenGhosts>(key)) return {std::move(kept), true};
     }
     planner_.MakeTables();
     auto seen = std::make_shared<SeenGhosts>();
     seen->samples = planner_.Sample(light, sequences, context_);
     seen->motions = planner_.Motions(light, sequences, seen->samples, scene_.settings, context_);
-    if (context_.ghosts && !context_.cancel.cancelled()) context_.ghosts->KeepSeen(key, seen);
+    if (context_.keeper && !context_.cancel.cancelled())
+        context_.keeper->Keep<SeenGhosts>(key, seen);
     return {std::move(seen), false};
 }
 

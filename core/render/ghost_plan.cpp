@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/render/ghost_culling.h"
+#include "core/render/kept_tables.h"
 #include "core/render/quality.h"
 #include "core/spectrum/spectrum.h"
 
@@ -49,11 +50,11 @@ std::vector<double> ColourWeights(const PlacedLight& light) {
 }  // namespace
 
 GhostPlanner::GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
-                           ThreadPool& threads)
-    : request_(request), iris_(iris), scene_factor_(scene_factor), threads_(threads) {}
+                           const RenderContext& context)
+    : request_(request), iris_(iris), scene_factor_(scene_factor), context_(context) {}
 
 void GhostPlanner::MakeTables() {
-    if (!tables_) tables_.emplace(*request_.lens, SampledWavelengths(request_), threads_);
+    if (!tables_) tables_ = TablesOf(*request_.lens, SampledWavelengths(request_), context_);
 }
 
 SampleScene GhostPlanner::SceneOf(const PlacedLight& light, const LightBundle& bundle) const {

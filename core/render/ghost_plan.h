@@ -42,7 +42,7 @@ class GhostPlanner {
     // `scene_factor` takes sensor irradiance to the request's units. The arguments must outlive the
     // planner.
     GhostPlanner(const FlareRequest& request, const Iris& iris, double scene_factor,
-                 ThreadPool& threads);
+                 const RenderContext& context);
 
     // Before anything is sampled; takes all threads. Does nothing when called again.
     void MakeTables();
@@ -78,8 +78,8 @@ class GhostPlanner {
     const FlareRequest& request_;
     const Iris& iris_;
     double scene_factor_;
-    ThreadPool& threads_;
-    std::optional<TransmissionTables> tables_;
+    const RenderContext& context_;
+    std::shared_ptr<const TransmissionTables> tables_;
 };
 
 }  // namespace flare

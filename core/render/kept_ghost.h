@@ -16,6 +16,7 @@
 #include "core/render/ghost_builder.h"
 #include "core/render/ghost_motion.h"
 #include "core/render/lights.h"
+#include "core/render/render_keeper.h"
 #include "core/render/render_scene.h"
 #include "core/render/report.h"
 #include "core/render/tile_picture.h"
@@ -23,6 +24,7 @@
 namespace flare {
 
 struct KeptGhost {
+    static constexpr KeptKind kKind = KeptKind::kGhost;
     std::shared_ptr<const GhostTiles> tiles;  // null: none of it reaches the picture
     LeftPixels left;
     std::shared_ptr<const GhostFringes> fringes;
@@ -40,20 +42,11 @@ GhostBuilder::Built BuiltOf(const KeptGhost& kept);
 
 // What is looked at before a light's ghosts are chosen (ghost_plan.h).
 struct SeenGhosts {
+    static constexpr KeptKind kKind = KeptKind::kSeen;
     std::vector<GhostSample> samples;
     std::vector<std::optional<GhostMotion>> motions;
 
     std::size_t bytes() const;
-};
-
-// Where kept ghosts are. Called from several threads at once.
-class GhostKeeper {
-  public:
-    virtual ~GhostKeeper() = default;
-    virtual std::shared_ptr<const KeptGhost> Find(const Fingerprint& key) = 0;  // or null
-    virtual void Keep(const Fingerprint& key, std::shared_ptr<const KeptGhost> ghost) = 0;
-    virtual std::shared_ptr<const SeenGhosts> FindSeen(const Fingerprint& key) = 0;
-    virtual void KeepSeen(const Fingerprint& key, std::shared_ptr<const SeenGhosts> ghosts) = 0;
 };
 
 // Names what GhostBuilder::Build makes for one light.

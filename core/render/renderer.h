@@ -16,7 +16,7 @@
 
 namespace flare {
 
-class GhostKeeper;
+class RenderKeeper;
 
 // What the renderer borrows from its caller. Nothing here changes the image.
 struct RenderContext {
@@ -24,7 +24,7 @@ struct RenderContext {
     MeshProvider& meshes;
     CancelToken cancel;
     std::function<double()> now_ms;  // a monotonic clock for the report
-    GhostKeeper* ghosts = nullptr;   // where ghosts are kept from picture to picture; null: nowhere
+    RenderKeeper* keeper = nullptr;  // of what is kept from picture to picture; null: nothing is
 };
 
 struct Rendering {

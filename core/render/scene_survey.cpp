@@ -40,7 +40,7 @@ SceneSurvey::SceneSurvey(const FlareRequest& request, double tolerance,
     : request_(AtTolerance(request, tolerance)),
       finest_(0.5 * tolerance),
       scene_(request_),
-      planner_(request_, scene_.iris, scene_.units_factor, context.threads) {
+      planner_(request_, scene_.iris, scene_.units_factor, context) {
     if (!request_.layers.ghosts) return;
     planner_.MakeTables();
     sequences_ = TwoReflectionSequences(scene_.lens, request_.model.sensor_reflection);

@@ -1,35 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The daemon's kept ghosts, in memory alone; `max_bytes` bounds them, not those that renders in
-// flight still hold. Two pictures that make the same ghost at once both make it. Safe from any
+// What the daemon keeps of pictures for the next ones, in memory alone: ghosts as they were drawn,
+// what they were chosen by, tables of lenses. `max_bytes` bounds all of it, not what renders in
+// flight still hold. Two pictures that make the same value at once both make it. Safe from any
 // thread.
 #pragma once
 
 #include <cstddef>
 #include <mutex>
 
-#include "core/render/kept_ghost.h"
+#include "core/render/render_keeper.h"
 #include "server/cache/recent_values.h"
 
 namespace flare {
 
-class GhostCache final : public GhostKeeper {
+class GhostCache final : public RenderKeeper {
   public:
-    // A sixteenth of the bytes is for what ghosts are chosen by.
-    explicit GhostCache(std::size_t max_bytes)
-        : ghosts_(max_bytes - max_bytes / 16), seen_(max_bytes / 16) {}
+    explicit GhostCache(std::size_t max_bytes) : values_(max_bytes) {}
 
-    std::shared_ptr<const KeptGhost> Find(const Fingerprint& key) override;
-    void Keep(const Fingerprint& key, std::shared_ptr<const KeptGhost> ghost) override;
-    std::shared_ptr<const SeenGhosts> FindSeen(const Fingerprint& key) override;
-    void KeepSeen(const Fingerprint& key, std::shared_ptr<const SeenGhosts> ghosts) override;
     // Hits and misses are those of ghosts.
     CacheStats stats() const;
 
   private:
+    std::shared_ptr<const void> FindValue(KeptKind kind, const Fingerprint& key) override;
+    void KeepValue(const Fingerprint& key, std::shared_ptr<const void> value,
+                   std::size_t bytes) override;
+
     mutable std::mutex mutex_;  // guards all below
-    RecentValues<KeptGhost> ghosts_;
-    RecentValues<SeenGhosts> seen_;
+    RecentValues<void> values_;
     std::uint64_t hits_ = 0, misses_ = 0;
 };
 

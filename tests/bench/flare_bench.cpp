@@ -203,7 +203,7 @@ void RenderWarm(benchmark::State& state, const std::string& name, FlareRequest r
     MeshCache cache(std::size_t{1} << 30);
     GhostCache ghosts(std::size_t{1} << 28);
     RenderContext context{threads, cache, CancelToken(), NowMs};
-    if (known == Known::kGhosts) context.ghosts = &ghosts;
+    if (known == Known::kGhosts) context.keeper = &ghosts;
     request.quality = quality;
     const Result<Rendering> first = Render(request, context);
     if (!first) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/render/kept_ghost.h"
+
 namespace flare {
 namespace {
 
@@ -17,10 +19,10 @@ std::shared_ptr<const KeptGhost> GhostOf(std::size_t tiles) {
 TEST(GhostCache, GivesBackWhatItKeeps) {
     GhostCache cache(1 << 20);
     const Fingerprint key{1, 2};
-    EXPECT_EQ(cache.Find(key), nullptr);
+    EXPECT_EQ(cache.Find<KeptGhost>(key), nullptr);
     const auto ghost = GhostOf(10);
     cache.Keep(key, ghost);
-    EXPECT_EQ(cache.Find(key), ghost);
+    EXPECT_EQ(cache.Find<KeptGhost>(key), ghost);
     const CacheStats stats = cache.stats();
     EXPECT_EQ(stats.hits, 1U);
     EXPECT_EQ(stats.misses, 1U);
@@ -32,23 +34,23 @@ TEST(GhostCache, ForgetsTheLeastRecentlyUsedBeyondItsBound) {
     GhostCache cache(200'000);
     const std::size_t tiles = 60'000 / sizeof(SmoothTile);
     for (std::uint64_t n = 0; n < 3; ++n) cache.Keep({n, n}, GhostOf(tiles));
-    EXPECT_NE(cache.Find({0, 0}), nullptr);
+    EXPECT_NE(cache.Find<KeptGhost>({0, 0}), nullptr);
     cache.Keep({3, 3}, GhostOf(tiles));
-    EXPECT_NE(cache.Find({0, 0}), nullptr);
-    EXPECT_EQ(cache.Find({1, 1}), nullptr);
+    EXPECT_NE(cache.Find<KeptGhost>({0, 0}), nullptr);
+    EXPECT_EQ(cache.Find<KeptGhost>({1, 1}), nullptr);
     EXPECT_LE(cache.stats().bytes, 200'000U);
     EXPECT_EQ(cache.stats().evictions, 1U);
     cache.Keep({4, 4}, GhostOf(10 * tiles));  // larger than all of it
-    EXPECT_EQ(cache.Find({4, 4}), nullptr);
-    EXPECT_NE(cache.Find({0, 0}), nullptr);
+    EXPECT_EQ(cache.Find<KeptGhost>({4, 4}), nullptr);
+    EXPECT_NE(cache.Find<KeptGhost>({0, 0}), nullptr);
 }
 
 TEST(GhostCache, KeepsNothingInNoRoom) {
     GhostCache cache(0);
     cache.Keep({1, 1}, GhostOf(1));
-    cache.KeepSeen({1, 1}, std::make_shared<SeenGhosts>());
-    EXPECT_EQ(cache.Find({1, 1}), nullptr);
-    EXPECT_EQ(cache.FindSeen({1, 1}), nullptr);
+    cache.Keep<SeenGhosts>({2, 2}, std::make_shared<const SeenGhosts>());
+    EXPECT_EQ(cache.Find<KeptGhost>({1, 1}), nullptr);
+    EXPECT_EQ(cache.Find<SeenGhosts>({2, 2}), nullptr);
 }
 
 }  // namespace

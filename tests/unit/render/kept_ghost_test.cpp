@@ -17,34 +17,21 @@ namespace {
 
 using testing::LightAt;
 
-class KeepsAll final : public GhostKeeper {
-  public:
-    std::shared_ptr<const KeptGhost> Find(const Fingerprint& key) override {
-        return Look(ghosts_, key);
-    }
-    void Keep(const Fingerprint& key, std::shared_ptr<const KeptGhost> ghost) override {
+class KeepsAll final : public RenderKeeper {
+    std::shared_ptr<const void> FindValue(KeptKind, const Fingerprint& key) override {
         const std::lock_guard lock(mutex_);
-        ghosts_[key] = std::move(ghost);
+        const auto known = values_.find(key);
+        return known == values_.end() ? nullptr : known->second;
     }
-    std::shared_ptr<const SeenGhosts> FindSeen(const Fingerprint& key) override {
-        return Look(seen_, key);
-    }
-    void KeepSeen(const Fingerprint& key, std::shared_ptr<const SeenGhosts> ghosts) override {
+    void KeepValue(const Fingerprint& key, std::shared_ptr<const void> value,
+                   std::size_t bytes) override {
+        EXPECT_GT(bytes, 0U);
         const std::lock_guard lock(mutex_);
-        seen_[key] = std::move(ghosts);
-    }
-
-  private:
-    template <class Map>
-    typename Map::mapped_type Look(const Map& map, const Fingerprint& key) {
-        const std::lock_guard lock(mutex_);
-        const auto known = map.find(key);
-        return known == map.end() ? nullptr : known->second;
+        values_[key] = std::move(value);
     }
 
     std::mutex mutex_;
-    std::map<Fingerprint, std::shared_ptr<const KeptGhost>> ghosts_;
-    std::map<Fingerprint, std::shared_ptr<const SeenGhosts>> seen_;
+    std::map<Fingerprint, std::shared_ptr<const void>> values_;
 };
 
 class KeptGhosts : public ::testing::Test {
@@ -64,7 +51,7 @@ class KeptGhosts : public ::testing::Test {
     std::uint64_t Check(const FlareRequest& request) {
         const Rendering fresh = studio_.Shoot(request);
         RenderContext context = studio_.Context();
-        context.ghosts = &keeper_;
+        context.keeper = &keeper_;
         const Result<Rendering> kept = Render(request, context);
         EXPECT_TRUE(kept);
         if (!kept) return 0;
