@@ -23,7 +23,7 @@ inline constexpr double kUnseenGhosts = 0.5, kUnseenDetails = 0.25, kUnseenTails
 // How much brighter than its sample a ghost may be, at focused ghosts: measured up to 26
 // (docs/visible.md). And how much more light than sampled it may put into one pixel.
 inline constexpr double kPeakDoubt = 64.0, kLightDoubt = 1.5;
-// What fringes add where they are brightest: a straight edge 1.37 times, corners and narrow
+// What fringes may add where they are brightest: a straight edge 1.37 times, corners and narrow
 // apertures more.
 inline constexpr double kFringePeak = 2.0;
 
