@@ -59,6 +59,10 @@ inline constexpr double kMinTolerance = 0.001, kMaxTolerance = 0.25;
 inline constexpr double kMaxTimeBudget_ms = 600'000.0;
 inline constexpr int kMaxSeed = 2'147'483'647;
 
+// What can be seen.
+inline constexpr double kMaxExposure_stops = 60.0;
+inline constexpr double kMaxNoiseFloor = 1e30;
+
 // Layers beside the sums, and an artist's hand on ghosts.
 inline constexpr std::size_t kSplitLayers = 256;
 // Of all split layers together, counted once for each three channels.

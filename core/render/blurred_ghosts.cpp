@@ -145,7 +145,7 @@ std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double 
     std::vector<BlurChoice> choices;
     for (const PlannedGhost& ghost : ghosts) {
         BlurChoice& choice = choices.emplace_back();
-        if (!ghost.motion || !ghost.motion->known) continue;
+        if (ghost.plain || !ghost.motion || !ghost.motion->known) continue;
         const std::array<double, 2> semi = SemiAxes(*ghost.motion, radius_rad);
         if (semi[1] < kSeen_px) continue;
         // Errors fall with the number of directions; the fewest that keep their sum are those that

@@ -15,6 +15,28 @@ Error Bad(std::string where, std::string message, std::string code = "bad_value"
     return {std::move(code), std::move(message), std::move(where)};
 }
 
+std::optional<Error> CheckVisible(const FlareRequest& request) {
+    if (!request.visible) return std::nullopt;
+    if (!(std::abs(request.visible->exposure_stops) <= kMaxExposure_stops)) {
+        return Bad("/visible/exposure_stops", "must be within +-60");
+    }
+    const double floor = request.visible->noise_floor;
+    if (!(floor > 0.0 && floor <= kMaxNoiseFloor)) {
+        return Bad("/visible/noise_floor", "must be above 0 and at most 1e30");
+    }
+    if (request.photon) {
+        return Bad("/visible", "photons draw every ghost", "unsupported");
+    }
+    if (!request.layers.ghosts && !request.layers.starburst) {
+        return Bad("/visible", "nothing of a bokeh layer is left out", "unsupported");
+    }
+    // What ghosts are sampled for is the frame.
+    if (request.image.overscan != std::array<int, 4>{}) {
+        return Bad("/visible", "cannot be told beyond the frame, with overscan", "unsupported");
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> CheckSplit(const FlareRequest& request) {
     if (request.photon && request.split != SplitBy::kNone) {
         return Bad("/split", "a picture by photons cannot be split", "unsupported");
@@ -94,6 +116,7 @@ std::optional<Error> CheckArtist(const FlareRequest& request) {
 
 std::optional<Error> CheckLayers(const FlareRequest& request) {
     if (std::optional<Error> error = CheckSplit(request)) return error;
+    if (std::optional<Error> error = CheckVisible(request)) return error;
     return CheckArtist(request);
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -67,6 +68,13 @@ struct ImageSpec {
 // Which ghosts of two reflections are left out (ghost_culling.h): by the light lost, none, or by
 // the rules of older renderers, for comparison: both of them, or one alone.
 enum class CullingRule { kAuto, kNone, kReport, kReportSize, kReportCrossings };
+
+// What can be seen of the picture (visible.h): nothing fainter than the floor.
+struct VisibleSpec {
+    double exposure_stops = 0.0;  // that the picture will be shown brighter by
+    double noise_floor = 0.0;     // of the picture as shown
+    double Floor() const { return noise_floor * std::exp2(-exposure_stops); }  // as rendered
+};
 
 // What physics is asked for.
 struct ModelSpec {
@@ -154,6 +162,7 @@ struct FlareRequest {
     std::vector<double> wavelengths_nm;  // for kSpectral
     Quality quality;
     std::optional<PhotonSpec> photon;  // of kReference alone
+    std::optional<VisibleSpec> visible;
     // To measure single settings: in place of the quality's, which must then be a plan. Not on the
     // wire.
     std::shared_ptr<const QualitySettings> settings;
@@ -194,6 +203,7 @@ inline constexpr std::size_t kMaxSplitLayers = 256;
 inline constexpr std::size_t kMaxSplitPixels = std::size_t{1} << 27;
 inline constexpr std::size_t kMaxArtistGhosts = 1'024;
 inline constexpr double kMaxArtistGain = 1e6;
+inline constexpr double kMaxExposure_stops = 60.0, kMaxNoiseFloor = 1e30;
 
 // What is asked of a ghost; null: nothing.
 inline const ArtistGhost* ArtistOf(const FlareRequest& request, const std::vector<int>& sequence) {

@@ -88,7 +88,7 @@ LightColour GhostBuilder::ColourOf(const PlacedLight& light, const BounceSequenc
 }
 
 GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const BounceSequence& sequence,
-                                           const GhostCanvas& canvas) const {
+                                           const GhostCanvas& canvas, bool plain) const {
     Located located;
     if (context_.cancel.cancelled()) return located;
     const Lens& lens = scene_.lens;
@@ -105,7 +105,7 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const Bounc
     }
     const PictureMap map = canvas.MapOnto(MapOf(scene_.request, light.pose));
     FringePlan& plan = located.plan;
-    if (scene_.request.model.ringing && !sequence.empty()) {
+    if (scene_.request.model.ringing && !plain && !sequence.empty()) {
         plan = PlanFringes(lens, *found->mesh, light, scene_.iris, map, scene_.spectral());
         // What is blurred by the source afterwards must not be blurred by it before.
         if (plan.fringes && canvas.blurred) {
@@ -133,10 +133,16 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const Bounc
 }
 
 GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
+<<<<<<< HEAD
                                         double weight, bool with_flux,
                                         const GhostCanvas& canvas) const {
     FLARE_CHECK(tables_);
     Located located = Locate(light, sequence, canvas);
+=======
+                                        double weight, bool with_flux, const GhostCanvas& canvas,
+                                        bool plain) const {
+    Located located = Locate(light, sequence, canvas, plain);
+>>>>>>> h-trade
     Built built;
     built.work = located.work;
     built.miss = located.miss;
@@ -162,7 +168,7 @@ GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSe
         if (!any) return built;
     }
     LightColour colour = ColourOf(light, sequence, weight);
-    colour.dispersion_px = located.dispersion_px;
+    colour.dispersion_px = plain ? 0.0 : located.dispersion_px;
     if (plan.fringes) colour.least_drawn = std::min(kFringeBands, colour.most_drawn);
     GhostLight& ghost = built.ghost.light;
     ghost = PrepareGhost(located.surface, bundle, lens, *tables_, colour, std::move(cells));

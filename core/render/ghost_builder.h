@@ -49,9 +49,9 @@ class GhostBuilder {
         FringePlan plan;
         Work work;
     };
-    // Null when cancelled. Threads may call it at once.
+    // Null when cancelled; `plain`: without fringes. Threads may call it at once.
     Located Locate(const PlacedLight& light, const BounceSequence& sequence,
-                   const GhostCanvas& canvas) const;
+                   const GhostCanvas& canvas, bool plain = false) const;
 
     struct Built {
         TiledGhost ghost;  // empty if none of it reaches the picture
@@ -61,9 +61,10 @@ class GhostBuilder {
         double flux_mm2 = 0.0;  // on the whole sensor plane, if asked for: see GhostFacts
         Work work;
     };
-    // The ghost drawn with `weight`. Empty when cancelled. Threads may call it at once.
+    // The ghost drawn with `weight`; `plain`: without fringes, at the fewest wavelengths. Empty
+    // when cancelled. Threads may call it at once.
     Built Build(const PlacedLight& light, const BounceSequence& sequence, double weight,
-                bool with_flux, const GhostCanvas& canvas) const;
+                bool with_flux, const GhostCanvas& canvas, bool plain = false) const;
 
   private:
     LightColour ColourOf(const PlacedLight& light, const BounceSequence& sequence,

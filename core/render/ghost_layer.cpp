@@ -8,7 +8,11 @@
 #include "core/base/units.h"
 #include "core/render/fringe_plan.h"
 #include "core/render/ghost_choice.h"
+<<<<<<< HEAD
 #include "core/render/kept_ghost.h"
+=======
+#include "core/render/visible.h"
+>>>>>>> h-trade
 
 namespace flare {
 namespace {
@@ -72,8 +76,13 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
                   [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
     if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
+<<<<<<< HEAD
     std::vector<Batched> ghosts = FindKept(light, planned, reported);
     for (std::size_t first = 0; first < planned.size();) {
+=======
+    std::erase_if(planned, [](const PlannedGhost& ghost) { return ghost.unseen; });
+    for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
+>>>>>>> h-trade
         if (context_.cancel.cancelled()) break;
         std::size_t count = 0;
         for (int made = 0; first + count < planned.size(); ++count) {
@@ -114,9 +123,14 @@ void GhostLayer::Build(const PlacedLight& light, std::span<const PlannedGhost> p
     context_.threads.For(static_cast<int>(planned.size()), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
+<<<<<<< HEAD
         if (batch[n].kept) return;
         batch[n].built = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence,
                                         ghost.weight, reported, canvas_);
+=======
+        built[n] = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
+                                  reported, canvas_, ghost.plain);
+>>>>>>> h-trade
     });
 }
 
@@ -172,6 +186,7 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
     std::vector<BlurredGhosts::Job> jobs;
     std::vector<PlannedGhost> sharp;
     for (std::size_t n = 0; n < planned.size(); ++n) {
+        if (planned[n].unseen) continue;
         GhostFacts& facts = report_.facts.ghosts[planned[n].index];
         const int side = choices[n].side;
         facts.source_directions = std::max(facts.source_directions, side * side);
@@ -234,11 +249,16 @@ std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
     facts.culling.frame_flux_mm2 += light.share * plan.facts.frame_flux_mm2;
     facts.culling.lost_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
     facts.culled_flux_mm2 += light.share * plan.facts.lost_flux_mm2;
+    if (facts.visible) AddUnseen(plan.visible, *facts.visible);
     error_.AddLight(plan.frame_light, plan.lost_light);
     drawn_.resize(facts.ghosts.size());
+    unseen_.resize(facts.ghosts.size());
     for (PlannedGhost& ghost : plan.drawn) {
         ghost.index = indices[ghost.index];
-        drawn_[ghost.index] = true;
+        if (ghost.unseen && reported) {
+            facts.ghosts[ghost.index].flux_mm2 += light.share * ghost.sample.flux_mm2;
+        }
+        (ghost.unseen ? unseen_ : drawn_)[ghost.index] = true;
     }
     for (const PlannedGhost& ghost : plan.left_out) {
         if (reported)
@@ -279,7 +299,7 @@ std::optional<Error> GhostLayer::AddFourReflections(const PlacedLight& light,
 void GhostLayer::Finish() {
     for (std::size_t i = 0; i < drawn_.size(); ++i) {
         std::string& model = report_.facts.ghosts[i].model;
-        if (!drawn_[i] && model != "muted") model = "culled";
+        if (!drawn_[i] && model != "muted") model = unseen_[i] ? "unseen" : "culled";
     }
     report_.facts.estimated_error = error_.Value();
 }

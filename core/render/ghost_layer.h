@@ -78,7 +78,7 @@ class GhostLayer {
     std::optional<BlurredGhosts> blurred_;  // once a light is no point
     GhostPlanner planner_;
     ErrorEstimate error_;
-    std::vector<bool> drawn_;  // each ghost of the report, for some light
+    std::vector<bool> drawn_, unseen_;  // each ghost of the report, for some light
 };
 
 }  // namespace flare

@@ -8,6 +8,7 @@
 #include "core/render/ghost_culling.h"
 #include "core/render/kept_tables.h"
 #include "core/render/quality.h"
+#include "core/render/visible.h"
 #include "core/spectrum/spectrum.h"
 
 namespace flare {
@@ -136,8 +137,9 @@ GhostPlan GhostPlanner::Plan(const PlacedLight& light, const std::vector<BounceS
         plan.facts.culled += weight == 0.0 ? 1 : 0;
         plan.facts.faded += weight > 0.0 && weight < 1.0 ? 1 : 0;
         (weight > 0.0 ? plan.drawn : plan.left_out)
-            .push_back({n, weight, sample, motions[n], 0.0, {}});
+            .push_back({n, weight, false, false, sample, motions[n], 0.0, {}});
     }
+    if (request_.visible) LeaveOutUnseen(request_, light, scene_factor_, sequences, plan);
     return plan;
 }
 

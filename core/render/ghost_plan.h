@@ -23,6 +23,8 @@ namespace flare {
 struct PlannedGhost {
     std::size_t index = 0;  // in the sequences that were given
     double weight = 1.0;    // 0: left out
+    bool unseen = false;    // not to be drawn after all, since nobody can see it (visible.h)
+    bool plain = false;     // drawn without what cannot be seen of it
     GhostSample sample;
     std::optional<GhostMotion> motion;  // of a light of some size
     // Filled in by who prepares the ghost.
@@ -33,6 +35,7 @@ struct PlannedGhost {
 struct GhostPlan {
     std::vector<PlannedGhost> drawn, left_out;
     CullingFacts facts;
+    VisibleFacts visible;
     double frame_light = 0.0, lost_light = 0.0;  // of all wavelengths, weighted
     std::uint64_t rays = 0;
 };

@@ -14,6 +14,7 @@
 #include "core/render/quality_search.h"
 #include "core/render/render_scene.h"
 #include "core/render/starburst_layer.h"
+#include "core/render/visible.h"
 #include "core/tracing/chief_ray.h"
 
 namespace flare {
@@ -30,7 +31,8 @@ class Job {
         if (request.layers.ghosts && request.photon) photons_.emplace(scene_, context, report_);
         if (request.layers.ghosts && !request.photon) ghosts_.emplace(scene_, context, report_);
         if (request.layers.starburst) {
-            starburst_.emplace(request, scene_.stop.semi_diameter_mm, scene_.window);
+            starburst_.emplace(request, scene_.stop.semi_diameter_mm, scene_.window,
+                               LeastStarburst());
         }
         if (request.layers.bokeh) bokeh_.emplace(scene_, context, report_);
         report_.work.setup_ms += context.now_ms() - before;
@@ -67,12 +69,18 @@ class Job {
             if (std::optional<Error> error = photons_->Run()) return *error;
         }
         if (starburst_) report_.facts.starburst = starburst_->facts();
+        if (starburst_ && request_.visible) {
+            UnseenFacts& tails = report_.facts.visible->starburst;
+            tails = starburst_->unseen();
+            tails.peak *= Scale();
+        }
         return Rendering{Resolve(), std::move(report_), request_.quality};
     }
 
   private:
     void SetFacts() {
         Facts& facts = report_.facts;
+        if (request_.visible) facts.visible.emplace().floor = request_.visible->Floor();
         facts.f_number = scene_.stop.f_number;
         facts.working_f_number = scene_.working_f_number;
         facts.t_axis = scene_.t_axis;
@@ -102,6 +110,14 @@ class Job {
             facts.pixel = MapOf(request_, light.pose).Pixel(at.x, at.y);
         }
         report_.facts.lights.push_back(facts);
+    }
+
+    // The light in a pixel below which a starburst ends.
+    double LeastStarburst() const {
+        if (!request_.visible || request_.lights.empty()) return 0.0;
+        const double floor =
+            request_.visible->Floor() / static_cast<double>(request_.lights.size());
+        return kUnseenTails * floor / Scale();
     }
 
     // From light a pixel to irradiance, and to scene radiance if asked.

@@ -85,6 +85,22 @@ struct StarburstFacts {
     double core_share = 0.0;  // of that flux, inside the first dark ring
 };
 
+// Something left out because it cannot be seen.
+struct UnseenFacts {
+    std::uint64_t count = 0;
+    double peak = 0.0;      // the most that a pixel can change by, in the request's units
+    double flux_mm2 = 0.0;  // on the frame, per unit E0, at the d line (or the first wavelength)
+};
+
+// What was left out below the floor of FlareRequest::visible (visible.h); sums over the lights.
+struct VisibleFacts {
+    double floor = 0.0;                    // in the request's units
+    UnseenFacts ghosts, four_reflections;  // not drawn, each counted once a light
+    // Ghosts drawn at the fewest wavelengths, with sharp edges, as of a point; their whole light.
+    UnseenFacts details;
+    UnseenFacts starburst;  // lights whose tails end within the frame
+};
+
 // A picture by photons.
 struct PhotonFacts {
     std::uint64_t rays = 0;    // traced, the pilot's included
@@ -116,6 +132,7 @@ struct Facts {
     std::optional<StarburstFacts> starburst;
     std::optional<PhotonFacts> photon;
     std::optional<BokehFacts> bokeh;
+    std::optional<VisibleFacts> visible;
     std::vector<LightFacts> lights;  // the first 64
     std::vector<GhostFacts> ghosts;
     std::uint64_t saturated_pixels = 0;  // half output clipped at 65504, filled in by the encoder

@@ -58,6 +58,7 @@ SceneSurvey::SceneSurvey(const FlareRequest& request, double tolerance,
         const GhostPlan plan =
             planner_.Plan(*placed, sequences_, light.samples, light.motions, SettingsFor(finest_));
         context.threads.For(static_cast<int>(plan.drawn.size()), [&](int n) {
+            if (plan.drawn[static_cast<std::size_t>(n)].unseen) return;
             const std::size_t ghost = plan.drawn[static_cast<std::size_t>(n)].index;
             const GhostBuilder::Located located =
                 builder.Locate(*placed, sequences_[ghost], canvas);
@@ -88,6 +89,7 @@ EstimatedError SceneSurvey::At(double tolerance) const {
         estimate.AddLight(plan.frame_light, plan.lost_light);
         for (std::size_t n = 0; n < plan.drawn.size(); ++n) {
             const PlannedGhost& planned = plan.drawn[n];
+            if (planned.unseen) continue;
             const int side = blurs[n].side;
             if (side > 0) {
                 estimate.AddSource(planned.sample, planned.weight,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/units.h"
 #include "core/render/mask_outline.h"
@@ -92,6 +93,18 @@ double TurnShare(std::uint64_t seed, std::uint64_t index) {
     return static_cast<double>(z >> 11) * 0x1.0p-52 - 1.0;
 }
 
+double EdgeLengthOf(const ApertureOutline& outline) {
+    double length = 0.0;
+    for (const EdgeLoop& loop : outline) {
+        for (const EdgePiece& piece : loop.pieces) {
+            for (std::size_t i = 1; i < piece.size(); ++i) {
+                length += (piece[i] - piece[i - 1]).length();
+            }
+        }
+    }
+    return length;
+}
+
 }  // namespace
 
 Vec2d StarburstLayer::Spot::PlaceAt(double wavelength_nm) const {
@@ -102,10 +115,11 @@ Vec2d StarburstLayer::Spot::PlaceAt(double wavelength_nm) const {
 }
 
 StarburstLayer::StarburstLayer(const FlareRequest& request, double opening_semi_diameter_mm,
-                               const PixelWindow& window)
+                               const PixelWindow& window, double least_light)
     : request_(request),
       opening_semi_diameter_mm_(opening_semi_diameter_mm),
       window_(window),
+      least_light_(least_light),
       spectral_(request.color == ColorMode::kSpectral) {
     planes_.assign(spectral_ ? request.wavelengths_nm.size() : 3,
                    std::vector<double>(window.pixels(), 0.0));
@@ -231,11 +245,13 @@ void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const Ca
     facts_.flux_mm2 += flux;
     ++facts_.lights;
 
+    const PixelWindow seen = SeenOf(spot, bands, source, flux);
+    if (seen.pixels() == 0) return;
     const auto draw = [&](const std::vector<SpotBand>& of, Vec2d middle, double shortest_mm,
                           std::size_t plane) {
         const SpotPattern pattern(spot.outlines, near, of, source, middle,
                                   near.limit() * shortest_mm, threads);
-        Draw(pattern, plane, threads, cancel);
+        Draw(pattern, seen, plane, threads, cancel);
     };
     if (!spectral_) {
         draw(bands, spot.middle, kBluest_nm * kMmPerNm, 0);
@@ -246,23 +262,72 @@ void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const Ca
     }
 }
 
-void StarburstLayer::Draw(const SpotPattern& pattern, std::size_t first_plane, ThreadPool& threads,
-                          const CancelToken& cancel) {
-    threads.For((window_.height + kRows - 1) / kRows, [&](int strip) {
+void StarburstLayer::Draw(const SpotPattern& pattern, const PixelWindow& window,
+                          std::size_t first_plane, ThreadPool& threads, const CancelToken& cancel) {
+    threads.For((window.height + kRows - 1) / kRows, [&](int strip) {
         if (cancel.cancelled()) return;
         const int row = strip * kRows;
-        const PixelWindow part{window_.x, window_.y + row, window_.width,
-                               std::min(kRows, window_.height - row)};
+        const PixelWindow part{window.x, window.y + row, window.width,
+                               std::min(kRows, window.height - row)};
         const std::vector<Vec3d> light = pattern.Light(part);
-        const std::size_t first =
-            static_cast<std::size_t>(row) * static_cast<std::size_t>(window_.width);
+        const auto width = static_cast<std::size_t>(window.width);
+        const std::size_t corner =
+            static_cast<std::size_t>(part.y - window_.y) * static_cast<std::size_t>(window_.width) +
+            static_cast<std::size_t>(part.x - window_.x);
         for (std::size_t k = 0; k < light.size(); ++k) {
-            planes_[first_plane][first + k] += light[k].x;
+            const std::size_t at =
+                corner + k / width * static_cast<std::size_t>(window_.width) + k % width;
+            planes_[first_plane][at] += light[k].x;
             if (spectral_) continue;
-            planes_[first_plane + 1][first + k] += light[k].y;
-            planes_[first_plane + 2][first + k] += light[k].z;
+            planes_[first_plane + 1][at] += light[k].y;
+            planes_[first_plane + 2][at] += light[k].z;
         }
     });
+}
+
+// By the theorem of Gauss the transform of an aperture is an integral over its edge, and so no
+// larger than the edge's length over 2 pi and the frequency. At r pixels from its middle a pattern
+// of light w hence has at most w L^2 / (4 pi^2 A r^2) a pixel, whatever the wavelength; L and A are
+// the edge and area of the outline that pixels over wavelengths are the frequencies of.
+PixelWindow StarburstLayer::SeenOf(const Spot& spot, const std::vector<SpotBand>& bands,
+                                   const SourceEllipse& source, double flux_mm2) {
+    if (!(least_light_ > 0.0)) return window_;
+    double most_edge = 0.0, least_area = std::numeric_limits<double>::infinity();
+    for (const ApertureOutline& outline : spot.outlines) {
+        most_edge = std::max(most_edge, EdgeLengthOf(outline));
+        least_area = std::min(least_area, AreaOf(outline));
+    }
+    const double tail = most_edge * most_edge / (4.0 * kPi * kPi * least_area);
+    Vec3d light(0.0, 0.0, 0.0);
+    Vec2d lo = bands.front().middle, hi = lo;
+    for (const SpotBand& band : bands) {
+        const Vec3d& w = band.band.weight;
+        light += Vec3d(std::abs(w.x), std::abs(w.y), std::abs(w.z));
+        lo = Vec2d(std::min(lo.x, band.middle.x), std::min(lo.y, band.middle.y));
+        hi = Vec2d(std::max(hi.x, band.middle.x), std::max(hi.y, band.middle.y));
+    }
+    const double most = spectral_ ? light.x : std::max({light.x, light.y, light.z});
+    const double radius = std::sqrt(tail * most / least_light_);
+    // A pixel ends half a diagonal from its middle, the source at its edge.
+    const double reach = radius + 1.0 + source.radius();
+    const auto from = [&](double at, int first, int size) {
+        return static_cast<int>(
+            std::clamp(std::floor(at - reach), 0.0 + first, 0.0 + first + size));
+    };
+    const auto to = [&](double at, int first, int size) {
+        return static_cast<int>(std::clamp(std::ceil(at + reach), 0.0 + first, 0.0 + first + size));
+    };
+    const int x = from(lo.x, window_.x, window_.width), y = from(lo.y, window_.y, window_.height);
+    PixelWindow seen{x, y, to(hi.x, window_.x, window_.width) - x,
+                     to(hi.y, window_.y, window_.height) - y};
+    if (seen.width <= 0 || seen.height <= 0) seen.width = seen.height = 0;
+    if (seen.pixels() == window_.pixels()) return window_;
+    ++unseen_.count;
+    unseen_.peak += least_light_;
+    unseen_.flux_mm2 +=
+        flux_mm2 * std::min(1.0, tail / (radius * radius) *
+                                     static_cast<double>(window_.pixels() - seen.pixels()));
+    return seen;
 }
 
 LayerPlanes StarburstLayer::Resolve(double scale) const {

@@ -26,9 +26,11 @@ namespace flare {
 
 class StarburstLayer {
   public:
-    // `opening_semi_diameter_mm` is that of the iris. The request outlives the layer.
+    // `opening_semi_diameter_mm` is that of the iris. Of each light's pattern the tails are left
+    // out that cannot put as much as `least_light` into a pixel of any channel. The request
+    // outlives the layer.
     StarburstLayer(const FlareRequest& request, double opening_semi_diameter_mm,
-                   const PixelWindow& window);
+                   const PixelWindow& window, double least_light = 0.0);
 
     // Adds a light's pattern. Stops early, leaving the layer unfinished, when cancelled.
     void Add(const PlacedLight& light, ThreadPool& threads, const CancelToken& cancel);
@@ -39,6 +41,8 @@ class StarburstLayer {
     void Clear();
 
     const StarburstFacts& facts() const { return facts_; }
+    // The tails left out; `peak` is light in a pixel.
+    const UnseenFacts& unseen() const { return unseen_; }
 
   private:
     // Where a light's image stands and how directions spread there.
@@ -60,15 +64,19 @@ class StarburstLayer {
     std::vector<SpotBand> BandsOf(const PlacedLight& light, const LightBundle& bundle,
                                   const BeamOutline& beam, const Spot& spot,
                                   ThreadPool& threads) const;
-    void Draw(const SpotPattern& pattern, std::size_t first_plane, ThreadPool& threads,
-              const CancelToken& cancel);
+    PixelWindow SeenOf(const Spot& spot, const std::vector<SpotBand>& bands,
+                       const SourceEllipse& source, double flux_mm2);
+    void Draw(const SpotPattern& pattern, const PixelWindow& window, std::size_t first_plane,
+              ThreadPool& threads, const CancelToken& cancel);
 
     const FlareRequest& request_;
     double opening_semi_diameter_mm_;
     PixelWindow window_;
+    double least_light_;
     bool spectral_;
     std::vector<std::vector<double>> planes_;  // light in each pixel, E0 mm^2
     StarburstFacts facts_;
+    UnseenFacts unseen_;
 };
 
 }  // namespace flare

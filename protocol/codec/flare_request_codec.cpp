@@ -111,6 +111,16 @@ bool ReadArtist(Reader& reader, const JsonView& at, FlareRequest& request) {
            reader.Refuse(at, "bad_value", "there is no layer of ghosts");
 }
 
+bool ReadVisible(Reader& reader, const JsonView& at, Visible& visible) {
+    std::optional<JsonView> floor;
+    return reader.Object(at, {"exposure_stops", "noise_floor"}) &&
+           reader.Require(at, "noise_floor", floor) &&
+           reader.Number(*floor, AboveZeroUpTo(limits::kMaxNoiseFloor), visible.noise_floor) &&
+           IfGiven(at, "exposure_stops", [&](const JsonView& v) {
+               return reader.Number(v, Within(limits::kMaxExposure_stops), visible.exposure_stops);
+           });
+}
+
 bool ReadOutput(Reader& reader, const JsonView& at, Output& output) {
     return reader.Object(at, {"compression", "pixel"}) &&
            IfGiven(at, "compression",
@@ -203,7 +213,7 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                 "zoom_mm", "iris",         "image",          "lights",       "layers",
                 "units",   "color_space",  "wavelengths_nm", "quality",      "model",
                 "output",  "starburst",    "encoder",        "encoder_time", "encoder_max_age_ms",
-                "camera",  "split",        "artist"},
+                "camera",  "split",        "artist",         "visible"},
                {}) &&
            ReadEncoder(reader, root, request.encoder) &&
            ReadLensChoice(reader, root, request.lens, request.encoder.has_value()) &&
@@ -236,6 +246,10 @@ bool ReadRequest(Reader& reader, const JsonView& root, FlareRequest& request) {
                    }) &&
            IfGiven(root, "model",
                    [&](const JsonView& v) { return ReadModel(reader, v, request.model); }) &&
+           IfGiven(root, "visible",
+                   [&](const JsonView& v) {
+                       return ReadVisible(reader, v, request.visible.emplace());
+                   }) &&
            IfGiven(root, "output",
                    [&](const JsonView& v) { return ReadOutput(reader, v, request.output); });
 }

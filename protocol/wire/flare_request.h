@@ -119,6 +119,12 @@ struct Quality {
     std::optional<Photon> photon;  // with kReference alone
 };
 
+// Nothing fainter than noise_floor / 2^exposure_stops is to be seen.
+struct Visible {
+    double exposure_stops = 0.0;
+    double noise_floor = 0.0;
+};
+
 struct Output {
     Compression compression = Compression::kZip;
     PixelType pixel = PixelType::kHalf;
@@ -147,6 +153,7 @@ struct FlareRequest {
     Split split = Split::kNone;
     std::vector<ArtistGhost> artist;
     Model model;
+    std::optional<Visible> visible;
     Output output;
 };
 

@@ -61,6 +61,7 @@ class Explanation {
         Ghosts();
         Artist();
         Layers();
+        Visible();
         LeftOut();
         return std::move(out_);
     }
@@ -138,6 +139,30 @@ class Explanation {
                  Digits(Number(four, "threshold")) + "; " + Digits(Number(four, "lost_flux_mm2")) +
                  " mm2 of flux in the others.");
         }
+    }
+
+    // What cannot be seen, and the most that it does to a pixel.
+    void Visible() {
+        const auto visible = root_.Find("visible");
+        if (!visible) return;
+        Line("Nothing fainter than " + Digits(Number(visible, "floor")) +
+             " can be seen (a noise floor of " + Digits(Number(visible, "noise_floor")) +
+             ", shown " + Digits(Number(visible, "exposure_stops")) + " stops brighter).");
+        double most = 0.0;
+        const auto part = [&](const char* name, const std::string& words) {
+            const auto facts = Member(visible, name);
+            const double count = Number(facts, "count"), peak = Number(facts, "peak");
+            if (count == 0.0) return;
+            most += peak;
+            Line("  Left out: " + words + " (" + Digits(count) + "), at most " + Digits(peak) +
+                 " in any pixel, " + Digits(Number(facts, "flux_mm2")) + " mm2 of flux.");
+        };
+        part("ghosts", "ghosts");
+        part("four_reflections", "ghosts of four reflections");
+        part("details", "colour fringes, diffraction and blur of faint ghosts");
+        part("starburst", "tails of starbursts");
+        Line(most > 0.0 ? "  Together at most " + Digits(most) + " in any pixel."
+                        : "  All that is drawn can be seen, as far as can be told beforehand.");
     }
 
     void LeftOut() {

@@ -124,6 +124,21 @@ void WriteCulling(JsonWriter& json, const CullingFacts& culling) {
     json.Member("lost_flux_mm2", culling.lost_flux_mm2).End();
 }
 
+void WriteUnseen(JsonWriter& json, std::string_view name, const UnseenFacts& facts) {
+    json.Key(name).BeginInlineObject().Member("count", facts.count);
+    json.Member("peak", facts.peak).Member("flux_mm2", facts.flux_mm2).End();
+}
+
+void WriteVisible(JsonWriter& json, const VisibleSpec& spec, const VisibleFacts& facts) {
+    json.Key("visible").BeginObject().Member("exposure_stops", spec.exposure_stops);
+    json.Member("noise_floor", spec.noise_floor).Member("floor", facts.floor);
+    WriteUnseen(json, "ghosts", facts.ghosts);
+    WriteUnseen(json, "four_reflections", facts.four_reflections);
+    WriteUnseen(json, "details", facts.details);
+    WriteUnseen(json, "starburst", facts.starburst);
+    json.End();
+}
+
 void WriteWork(JsonWriter& json, const Work& work, const ReplyFacts& reply) {
     json.Key("work").BeginObject();
     json.Member("rays_traced", work.rays_traced).Member("ray_surfaces", work.ray_surfaces);
@@ -269,6 +284,7 @@ std::string ReportJson(const FlareRequest& request, const Report& report, const 
         json.Key("four_reflections");
         WriteFourReflections(json, *facts.four_reflections);
     }
+    if (facts.visible) WriteVisible(json, *request.visible, *facts.visible);
     if (facts.photon) {
         json.Key("photon").BeginInlineObject().Member("rays", facts.photon->rays);
         json.Member("landed", facts.photon->landed).Member("rel_l1", facts.photon->rel_l1).End();

@@ -201,6 +201,9 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.quality.tolerance = request.quality.tolerance;
     translated.quality.max_error = request.quality.max_error;
     translated.quality.time_budget_ms = request.quality.time_budget_ms;
+    if (request.visible) {
+        translated.visible = {request.visible->exposure_stops, request.visible->noise_floor};
+    }
     if (request.quality.photon) translated.photon = PhotonFromWire(*request.quality.photon);
     return translated;
 }

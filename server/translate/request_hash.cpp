@@ -154,6 +154,9 @@ Fingerprint RequestHash(const wire::FlareRequest& request, const FlareRequest& t
     if (request.split != wire::Split::kNone) {
         hash.Add("split").Add(static_cast<int>(request.split));
     }
+    if (request.visible) {
+        hash.Add("visible").Add(request.visible->exposure_stops).Add(request.visible->noise_floor);
+    }
     if (!request.artist.empty()) {
         hash.Add("artist").Add(static_cast<std::int64_t>(request.artist.size()));
         for (const wire::ArtistGhost& ghost : request.artist) Add(hash, ghost);

@@ -245,6 +245,16 @@ TEST_F(Cli, ExplainsAPictureInWords) {
     EXPECT_EQ(err_.find("artist"), std::string::npos) << err_;
 }
 
+TEST_F(Cli, SaysWhatCannotBeSeen) {
+    std::string request = kRequest;
+    request.insert(1, R"("visible": {"noise_floor": 4e9, "exposure_stops": 2}, )");
+    ASSERT_EQ(Flare({"render", Written("r.json", request), "-o", File("r.exr"), "--explain"}), 0)
+        << err_;
+    EXPECT_NE(err_.find("Nothing fainter than 1e+09 can be seen"), std::string::npos) << err_;
+    EXPECT_NE(err_.find("Left out: ghosts ("), std::string::npos) << err_;
+    EXPECT_NE(err_.find("Together at most "), std::string::npos) << err_;
+}
+
 TEST_F(Cli, SaysWhatAnArtistHasChanged) {
     for (const auto& [ghost, words] :
          {std::pair{R"("gain": 2)", "changed the gain or tint of 1 ghost(s) and muted 0"},

@@ -116,6 +116,16 @@ TEST(FlareRequestCodec, ReadsLayersAndTheStarburst) {
     EXPECT_EQ(one.starburst.seed, 77);
 }
 
+TEST(FlareRequestCodec, ReadsWhatIsVisible) {
+    EXPECT_FALSE(Accepted(With(R"("split":"none")")).visible);
+    const FlareRequest request =
+        Accepted(With(R"("visible":{"noise_floor":0.002,"exposure_stops":-3})"));
+    ASSERT_TRUE(request.visible);
+    EXPECT_EQ(request.visible->noise_floor, 0.002);
+    EXPECT_EQ(request.visible->exposure_stops, -3.0);
+    EXPECT_EQ(Accepted(With(R"("visible":{"noise_floor":1})")).visible->exposure_stops, 0.0);
+}
+
 TEST(FlareRequestCodec, ReadsBokehSplitAndArtist) {
     const FlareRequest none = Accepted(With(R"("layers":["bokeh"])"));
     EXPECT_TRUE(none.layers.bokeh);

@@ -332,6 +332,8 @@ TEST(Limits, OfTheWireAreThoseOfTheCore) {
     EXPECT_EQ(limits::kSplitPixels, kMaxSplitPixels);
     EXPECT_EQ(limits::kArtistGhosts, kMaxArtistGhosts);
     EXPECT_EQ(limits::kMaxArtistGain, kMaxArtistGain);
+    EXPECT_EQ(limits::kMaxExposure_stops, kMaxExposure_stops);
+    EXPECT_EQ(limits::kMaxNoiseFloor, kMaxNoiseFloor);
     EXPECT_EQ(limits::kMaxJitter_deg, kMaxJitter_deg);
     EXPECT_EQ(limits::kMaxJitterCount, kMaxJitterCount);
     EXPECT_EQ(limits::kMinTolerance, kMinTolerance);
