@@ -51,6 +51,8 @@ inline constexpr double kMinDistance_m = 1e-3;
 inline constexpr double kMaxDistance_m = 1e20;  // of the focus, too
 inline constexpr double kMaxPixelCoordinate = 1e6;
 inline constexpr double kMaxAngularDiameter_deg = 20.0;
+inline constexpr std::size_t kShapes = 64;  // lights of a request that have a shape
+inline constexpr int kShapeSide = 1'024;    // pixels of its image
 
 // The starburst.
 inline constexpr double kMaxJitter_deg = 180.0;

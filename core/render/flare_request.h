@@ -16,6 +16,7 @@
 #include "core/optics/iris.h"
 #include "core/optics/lens.h"
 #include "core/optics/lens_state.h"
+#include "core/render/source_picture.h"
 #include "core/spectrum/color_response.h"
 
 namespace flare {
@@ -132,6 +133,8 @@ struct LightSpec {
     std::optional<double> temperature_k;
     std::shared_ptr<const Spectrum> spectrum;
     double angular_diameter_deg = 0.0;  // of its disc; 0: a point
+    // In place of a disc, its longer side as wide as that; null: a disc.
+    std::shared_ptr<const SourcePicture> shape;
 };
 
 struct FlareRequest {

@@ -50,6 +50,7 @@ std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
         const int side = static_cast<int>(std::ceil(light.angular_diameter_rad / kWidest_rad));
         for (int k = 0; k < side * side; ++k) {
             const SourceSquare part = SourceSquare().Part(k % side, k / side, side);
+            if (!(disc.ShareOf(part) > 0.0)) continue;
             if (std::optional<Error> error = AddLight(disc.LightOf(part), &disc, part, reported)) {
                 return error;
             }
@@ -121,8 +122,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
 void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
                                   const SourceSquare& part, std::vector<PlannedGhost>& planned,
                                   bool reported) {
-    const std::vector<BlurChoice> choices =
-        ChooseBlur(planned, 0.5 * light.angular_diameter_rad, scene_.settings);
+    const std::vector<BlurChoice> choices = ChooseBlur(planned, light, scene_.settings);
     std::vector<BlurredGhosts::Job> jobs;
     std::vector<PlannedGhost> sharp;
     for (std::size_t n = 0; n < planned.size(); ++n) {

@@ -99,7 +99,8 @@ struct Light {
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
     std::optional<double> temperature_k;
     std::optional<SampledSpectrum> spectrum;
-    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
+    double angular_diameter_deg = 0.0;     // of its disc or its shape's longer side; 0: a point
+    std::optional<std::string> shape_png;  // bytes of an image of its shape, not looked at
 };
 
 // The reference by photons in place of meshes.

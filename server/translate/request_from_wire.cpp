@@ -178,6 +178,12 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
     translated.lights.reserve(request.lights.size());
     for (const wire::Light& light : request.lights) {
         translated.lights.push_back(LightFromWire(light));
+        if (light.shape_png) {
+            Result<std::shared_ptr<const SourcePicture>> shape =
+                ShapeFromWire(*light.shape_png, translated.lights.size() - 1);
+            if (!shape) return shape.error();
+            translated.lights.back().shape = std::move(*shape);
+        }
         if (light.spectrum && !translated.lights.back().spectrum) {
             return Error{"bad_value", "the spectrum has no light that the eye sees",
                          "/lights/" + std::to_string(translated.lights.size() - 1) + "/spectrum"};

@@ -79,6 +79,7 @@ void Add(Fingerprinter& hash, const wire::Light& light) {
     Add(hash, light.distance_m);
     Add(hash, light.irradiance);
     hash.Add(light.angular_diameter_deg);
+    if (light.shape_png) hash.Add("shape").Add(*light.shape_png);
     Add(hash, light.temperature_k);
     hash.Add(light.spectrum.has_value());
     if (light.spectrum) {
