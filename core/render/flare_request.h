@@ -16,12 +16,12 @@
 #include "core/optics/iris.h"
 #include "core/optics/lens.h"
 #include "core/optics/lens_state.h"
-#include "core/render/source_picture.h"
 #include "core/spectrum/color_response.h"
 
 namespace flare {
 
 struct QualitySettings;
+class SourcePicture;
 
 enum class Projection { kAuto, kRectilinear, kLens };
 enum class Units { kSceneLinear, kSensorIrradiance };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/render/source_picture.h"
 
 namespace flare {
 namespace {

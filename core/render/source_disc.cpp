@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/units.h"
+#include "core/render/source_picture.h"
 
 namespace flare {
 namespace {

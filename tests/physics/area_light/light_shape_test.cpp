@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/render/source_disc.h"
+#include "core/render/source_picture.h"
 #include "core/tracing/chief_ray.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
