@@ -74,6 +74,8 @@ inline constexpr double kMaxFNumber = 10'000.0;
 inline constexpr double kMaxZoom_mm = 1e6;
 inline constexpr int kMinBlades = 3;
 inline constexpr int kMaxBlades = 32;
+inline constexpr int kMaxMarks = 1'000;  // specks, and scratches
+inline constexpr double kMinMark_mm = 0.001, kMaxMark_mm = 100.0;
 inline constexpr double kMaxRotation_deg = 36'000.0;
 inline constexpr std::size_t kSurfaces = 100;              // of a lens
 inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one

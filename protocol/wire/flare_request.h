@@ -53,6 +53,18 @@ struct IrisMask {
     IrisMaskScale scale = IrisMaskScale::kArea;
 };
 
+struct IrisDust {
+    int count = 0;
+    double size_mm = 0.1, opacity = 1.0;
+    int seed = 0;
+};
+
+struct IrisScratches {
+    int count = 0;
+    double length_mm = 3.0, width_mm = 0.03, opacity = 1.0;
+    int seed = 0;
+};
+
 // What an artist makes of one ghost.
 struct ArtistGhost {
     std::vector<int> sequence;
@@ -68,6 +80,9 @@ struct Iris {
     double irregularity = 0.0;  // with blades
     int seed = 0;
     std::optional<IrisMask> mask;  // scaled by area: without blades
+    // On the stop; never together with a mask.
+    std::optional<IrisDust> dust;
+    std::optional<IrisScratches> scratches;
 };
 
 struct Image {

@@ -55,6 +55,16 @@ class MaskScenario(Scenario):
             reply = daemon.flare(small_request(iris={"mask": self.path("hole.png")}))
             self.assert_refused(reply, 400, "bad_value", "/iris/mask")
 
+    def test_dust_and_scratches_lie_where_their_seed_says(self):
+        clean = self.rendered("clean", {})
+        dust = {"count": 40, "size_mm": 0.5, "seed": 3}
+        dusty = self.rendered("dusty", {"dust": dust})
+        self.assertNotEqual(dusty, clean)
+        self.assertEqual(self.rendered("again", {"dust": dust}), dusty)
+        self.assertNotEqual(self.rendered("other", {"dust": dict(dust, seed=4)}), dusty)
+        scratched = self.rendered("scratched", {"scratches": {"count": 3, "width_mm": 0.2}})
+        self.assertNotIn(scratched, (clean, dusty))
+
     def test_so_is_the_shape_of_a_light(self):
         def lit(**shape):
             return small_request(lights=[{"direction": [0, 0, 1]},
