@@ -51,6 +51,8 @@ inline constexpr double kMinDistance_m = 1e-3;
 inline constexpr double kMaxDistance_m = 1e20;  // of the focus, too
 inline constexpr double kMaxPixelCoordinate = 1e6;
 inline constexpr double kMaxAngularDiameter_deg = 20.0;
+inline constexpr std::size_t kShapes = 64;  // lights of a request that have a shape
+inline constexpr int kShapeSide = 1'024;    // pixels of its image
 
 // The starburst.
 inline constexpr double kMaxJitter_deg = 180.0;
@@ -76,6 +78,8 @@ inline constexpr double kMaxFNumber = 10'000.0;
 inline constexpr double kMaxZoom_mm = 1e6;
 inline constexpr int kMinBlades = 3;
 inline constexpr int kMaxBlades = 32;
+inline constexpr int kMaxMarks = 1'000;  // specks, and scratches
+inline constexpr double kMinMark_mm = 0.001, kMaxMark_mm = 100.0;
 inline constexpr double kMaxRotation_deg = 36'000.0;
 inline constexpr std::size_t kSurfaces = 100;              // of a lens
 inline constexpr std::size_t kPrescriptionValues = 4'000;  // JSON values of one

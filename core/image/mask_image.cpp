@@ -80,7 +80,7 @@ std::uint32_t BigEndian(const char* at) {
 }
 
 Error BadImage(const std::string& why) {
-    return {"bad_image", "the mask is no PNG that can be read: " + why, ""};
+    return {"bad_image", "the image is no PNG that can be read: " + why, ""};
 }
 
 }  // namespace
@@ -94,7 +94,8 @@ Result<MaskImage> DecodeMaskPng(std::string_view bytes, int most_side) {
     if (width == 0 || height == 0) return BadImage("it has no pixels");
     if (std::max(width, height) > static_cast<std::uint32_t>(most_side)) {
         return Error{"limit",
-                     "the mask is larger than " + std::to_string(most_side) + " pixels a side", ""};
+                     "the image is larger than " + std::to_string(most_side) + " pixels a side",
+                     ""};
     }
     const std::size_t row_bytes = width * kSampleBytes;
     std::vector<std::uint8_t> samples(row_bytes * height);

@@ -100,46 +100,49 @@ void AddTiles(const GhostTiles& tiles, Box& box) {
 
 }  // namespace
 
-// The image of a disc of radius 1: the root of J J^T, symmetric.
+// What a source's image on the picture is made by: J, or of a disc, which has no up, the root of
+// J J^T, which makes the same.
 struct ImageShape {
-    double xx = 0.0, xy = 0.0, yy = 0.0;
+    Vec2d u{0.0, 0.0}, v{0.0, 0.0};
 
     double Apart(const ImageShape& other) const {
-        return std::max(
-            {std::abs(xx - other.xx), std::abs(xy - other.xy), std::abs(yy - other.yy)});
+        const Vec2d a = u - other.u, b = v - other.v;
+        return std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
     }
-    double Size() const { return std::max(xx, yy); }
+    double Size() const { return std::max(u.length(), v.length()); }
     void Add(const ImageShape& other, double weight) {
-        xx += weight * other.xx;
-        xy += weight * other.xy;
-        yy += weight * other.yy;
+        u += other.u * weight;
+        v += other.v * weight;
     }
 };
 
 namespace {
 
-ImageShape ShapeOf(const GhostMotion& motion, double size) {
+ImageShape ShapeOf(const GhostMotion& motion, double size, bool disc) {
     const Vec2d u = motion.along_u * size;
     const Vec2d v = motion.along_v * size;
+    if (!disc) return {u, v};
     const double xx = u.x * u.x + v.x * v.x;
     const double xy = u.x * u.y + v.x * v.y;
     const double yy = u.y * u.y + v.y * v.y;
     const double area = std::abs(u.x * v.y - u.y * v.x);
     const double root = std::sqrt(xx + yy + 2.0 * area);
     if (!(root > 0.0)) return {};
-    return {(xx + area) / root, xy / root, (yy + area) / root};
+    return {Vec2d(xx + area, xy) / root, Vec2d(xy, yy + area) / root};
 }
 
 }  // namespace
 
-std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double radius_rad,
+std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, const PlacedLight& light,
                                    const QualitySettings& settings) {
-    double light = 0.0;
+    const double radius_rad = 0.5 * light.angular_diameter_rad;
+    const double fine = light.detail_rad ? std::min(1.0, *light.detail_rad / radius_rad) : 1.0;
+    double all = 0.0;
     double roots = 0.0;
-    for (const PlannedGhost& ghost : ghosts) light += ghost.weight * ghost.sample.frame_light;
+    for (const PlannedGhost& ghost : ghosts) all += ghost.weight * ghost.sample.frame_light;
     const auto misplaced = [&](const PlannedGhost& ghost) {
-        if (!ghost.motion || !ghost.motion->known || !(light > 0.0)) return 0.0;
-        return ghost.motion->error * ghost.weight * ghost.sample.frame_light / light;
+        if (!ghost.motion || !ghost.motion->known || !(all > 0.0)) return 0.0;
+        return ghost.motion->error * ghost.weight * ghost.sample.frame_light / all;
     };
     for (const PlannedGhost& ghost : ghosts) roots += std::sqrt(misplaced(ghost));
     std::vector<BlurChoice> choices;
@@ -155,7 +158,7 @@ std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double 
                                  settings.most_blur_side);
         // Parts of a source may be less than a pixel: it is their sum that has no detail.
         const double parts = choice.side > 1 ? kPartsShare : 1.0;
-        choice.coarse = CoarseFor({semi[0] * parts, semi[1] * parts},
+        choice.coarse = CoarseFor({semi[0] * parts * fine, semi[1] * parts},
                                   std::min(ghost.sample.box_width_px, ghost.sample.box_height_px),
                                   settings.least_blur_px);
     }
@@ -208,7 +211,8 @@ std::vector<BlurredGhosts::Group> BlurredGhosts::GroupsOf(const SourceDisc& disc
     for (std::size_t n = 0; n < jobs.size() && part.whole(); ++n) {
         const BlurChoice& choice = jobs[n].choice;
         if (choice.side > 1) continue;
-        const ImageShape shape = ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -choice.coarse));
+        const ImageShape shape =
+            ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -choice.coarse), disc.round());
         const auto fits = [&](const Group& group) {
             return group.coarse == choice.coarse && group.jobs.size() < kTasksPerBatch &&
                    radius * shape.Apart(group.shape) <
@@ -221,14 +225,14 @@ std::vector<BlurredGhosts::Group> BlurredGhosts::GroupsOf(const SourceDisc& disc
         group.jobs.push_back(n);
     }
     for (Group& group : groups) {
-        ImageShape mean{0.0, 0.0, 0.0};
+        ImageShape mean;
         for (const std::size_t n : group.jobs) {
-            mean.Add(ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -group.coarse)),
-                     1.0 / static_cast<double>(group.jobs.size()));
+            mean.Add(
+                ShapeOf(*jobs[n].planned->motion, std::ldexp(1.0, -group.coarse), disc.round()),
+                1.0 / static_cast<double>(group.jobs.size()));
         }
         group.light = light;
-        group.kernel = KernelOf(disc.CellOf(part, light),
-                                {Vec2d(mean.xx, mean.xy), Vec2d(mean.xy, mean.yy), group.coarse});
+        group.kernel = KernelOf(disc.CellOf(part, light), {mean.u, mean.v, group.coarse});
     }
     std::vector<Group> single = PartsOf(disc, part, light, jobs, work);
     std::move(single.begin(), single.end(), std::back_inserter(groups));
@@ -248,11 +252,14 @@ std::vector<BlurredGhosts::Group> BlurredGhosts::PartsOf(const SourceDisc& disc,
         const int side = jobs[n].choice.side;
         if (side == 1 && part.whole()) continue;
         for (int k = 0; k < side * side; ++k) {
-            squares.push_back(part.Part(k % side, k / side, side));
+            const SourceSquare square = part.Part(k % side, k / side, side);
+            const double share = disc.ShareOf(square);
+            if (!(share > 0.0)) continue;
+            squares.push_back(square);
             Group& group = groups.emplace_back();
             group.jobs = {n};
             group.coarse = jobs[n].choice.coarse;
-            group.share = squares.back().share() / part.share();
+            group.share = share / disc.ShareOf(part);
         }
     }
     std::vector<std::uint64_t> rays(groups.size());

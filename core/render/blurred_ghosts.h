@@ -28,8 +28,8 @@ struct BlurChoice {
     int coarse = 0;  // pixels of 2^coarse
 };
 
-// One for each ghost of a light, by what all of them may be wrong together.
-std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, double radius_rad,
+// One for each ghost of a light that is no point, by what all of them may be wrong together.
+std::vector<BlurChoice> ChooseBlur(std::span<const PlannedGhost> ghosts, const PlacedLight& light,
                                    const QualitySettings& settings);
 
 class BlurredGhosts {

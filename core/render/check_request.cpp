@@ -132,6 +132,10 @@ std::optional<Error> CheckStarburst(const FlareRequest& request) {
         if (!(diameter >= 0.0 && diameter <= kMaxAngularDiameter_deg)) {
             return Bad(place, "must be 0 to 20");
         }
+        if (request.lights[i].shape && !(diameter > 0.0)) {
+            return Bad("/lights/" + std::to_string(i) + "/shape",
+                       "a shape needs its width, angular_diameter_deg");
+        }
         if (diameter > 0.0 && request.layers.bokeh) {
             return Bad(place, "the bokeh of lights that are no points is not built", "unsupported");
         }

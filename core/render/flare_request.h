@@ -22,6 +22,7 @@
 namespace flare {
 
 struct QualitySettings;
+class SourcePicture;
 
 enum class Projection { kAuto, kRectilinear, kLens };
 enum class Units { kSceneLinear, kSensorIrradiance };
@@ -140,6 +141,8 @@ struct LightSpec {
     std::optional<double> temperature_k;
     std::shared_ptr<const Spectrum> spectrum;
     double angular_diameter_deg = 0.0;  // of its disc; 0: a point
+    // In place of a disc, its longer side as wide as that; null: a disc.
+    std::shared_ptr<const SourcePicture> shape;
 };
 
 struct FlareRequest {

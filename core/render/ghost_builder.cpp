@@ -133,16 +133,10 @@ GhostBuilder::Located GhostBuilder::Locate(const PlacedLight& light, const Bounc
 }
 
 GhostBuilder::Built GhostBuilder::Build(const PlacedLight& light, const BounceSequence& sequence,
-<<<<<<< HEAD
-                                        double weight, bool with_flux,
-                                        const GhostCanvas& canvas) const {
-    FLARE_CHECK(tables_);
-    Located located = Locate(light, sequence, canvas);
-=======
                                         double weight, bool with_flux, const GhostCanvas& canvas,
                                         bool plain) const {
+    FLARE_CHECK(tables_);
     Located located = Locate(light, sequence, canvas, plain);
->>>>>>> h-trade
     Built built;
     built.work = located.work;
     built.miss = located.miss;

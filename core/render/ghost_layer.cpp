@@ -8,11 +8,8 @@
 #include "core/base/units.h"
 #include "core/render/fringe_plan.h"
 #include "core/render/ghost_choice.h"
-<<<<<<< HEAD
 #include "core/render/kept_ghost.h"
-=======
 #include "core/render/visible.h"
->>>>>>> h-trade
 
 namespace flare {
 namespace {
@@ -55,6 +52,7 @@ std::optional<Error> GhostLayer::Add(const PlacedLight& light, bool reported) {
         const int side = static_cast<int>(std::ceil(light.angular_diameter_rad / kWidest_rad));
         for (int k = 0; k < side * side; ++k) {
             const SourceSquare part = SourceSquare().Part(k % side, k / side, side);
+            if (!(disc.ShareOf(part) > 0.0)) continue;
             if (std::optional<Error> error = AddLight(disc.LightOf(part), &disc, part, reported)) {
                 return error;
             }
@@ -76,13 +74,9 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
                   [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
     std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
     if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
-<<<<<<< HEAD
+    std::erase_if(planned, [](const PlannedGhost& ghost) { return ghost.unseen; });
     std::vector<Batched> ghosts = FindKept(light, planned, reported);
     for (std::size_t first = 0; first < planned.size();) {
-=======
-    std::erase_if(planned, [](const PlannedGhost& ghost) { return ghost.unseen; });
-    for (std::size_t first = 0; first < planned.size(); first += kGhostsPerBatch) {
->>>>>>> h-trade
         if (context_.cancel.cancelled()) break;
         std::size_t count = 0;
         for (int made = 0; first + count < planned.size(); ++count) {
@@ -107,7 +101,7 @@ std::vector<GhostLayer::Batched> GhostLayer::FindKept(const PlacedLight& light,
     const GhostKeys keys(scene_, light, canvas_, reported);
     for (std::size_t n = 0; n < planned.size(); ++n) {
         const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
-        ghosts[n].key = keys.Of(sequence, planned[n].weight);
+        ghosts[n].key = keys.Of(sequence, planned[n].weight, planned[n].plain);
         ghosts[n].kept = context_.keeper->Find<KeptGhost>(ghosts[n].key);
     }
     return ghosts;
@@ -123,14 +117,9 @@ void GhostLayer::Build(const PlacedLight& light, std::span<const PlannedGhost> p
     context_.threads.For(static_cast<int>(planned.size()), [&](int i) {
         const auto n = static_cast<std::size_t>(i);
         const PlannedGhost& ghost = planned[n];
-<<<<<<< HEAD
         if (batch[n].kept) return;
         batch[n].built = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence,
-                                        ghost.weight, reported, canvas_);
-=======
-        built[n] = builder_.Build(light, report_.facts.ghosts[ghost.index].sequence, ghost.weight,
-                                  reported, canvas_, ghost.plain);
->>>>>>> h-trade
+                                        ghost.weight, reported, canvas_, ghost.plain);
     });
 }
 
@@ -181,8 +170,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
 void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& disc,
                                   const SourceSquare& part, std::vector<PlannedGhost>& planned,
                                   bool reported) {
-    const std::vector<BlurChoice> choices =
-        ChooseBlur(planned, 0.5 * light.angular_diameter_rad, scene_.settings);
+    const std::vector<BlurChoice> choices = ChooseBlur(planned, light, scene_.settings);
     std::vector<BlurredGhosts::Job> jobs;
     std::vector<PlannedGhost> sharp;
     for (std::size_t n = 0; n < planned.size(); ++n) {

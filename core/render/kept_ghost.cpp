@@ -155,10 +155,10 @@ Fingerprint GhostKeys::OfSeen(const std::vector<BounceSequence>& sequences) cons
     return to.value();
 }
 
-Fingerprint GhostKeys::Of(const BounceSequence& sequence, double weight) const {
+Fingerprint GhostKeys::Of(const BounceSequence& sequence, double weight, bool plain) const {
     Fingerprinter to;
     to.Add(common_).Add(MeshKey(scene_.lens, MeshSpecFor(scene_.request, sequence, light_)));
-    to.Add(weight);
+    to.Add(weight).Add(plain);
     if (const ArtistGhost* const artist = ArtistOf(scene_.request, sequence)) {
         to.Add(artist->gain);
         Add(artist->tint, to);

@@ -54,7 +54,7 @@ class GhostKeys {
   public:
     GhostKeys(const RenderScene& scene, const PlacedLight& light, const GhostCanvas& canvas,
               bool with_flux);
-    Fingerprint Of(const BounceSequence& sequence, double weight) const;
+    Fingerprint Of(const BounceSequence& sequence, double weight, bool plain) const;
     // What they are chosen by.
     Fingerprint OfSeen(const std::vector<BounceSequence>& sequences) const;
 

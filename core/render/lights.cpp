@@ -165,6 +165,7 @@ Result<PlacedLight> PlaceLight(const FlareRequest& request, std::size_t index) {
     PlacedLight light;
     SetColor(request, spec, light);
     light.angular_diameter_rad = RadiansFromDegrees(spec.angular_diameter_deg);
+    light.shape = spec.shape;
     if (spec.distance_m) light.inverse_distance = 1.0 / (*spec.distance_m * kMmPerMetre);
     if (spec.direction) {
         // Scale first: the squares of tiny or huge components would under- or overflow.

@@ -23,6 +23,10 @@ struct PlacedLight {
     Vec3d irradiance{0.0, 0.0, 0.0};
     std::shared_ptr<const Spectrum> power;  // absent: that of a mix of primaries with this colour
     double angular_diameter_rad = 0.0;
+    // What shines in place of a disc; null: a disc.
+    std::shared_ptr<const SourcePicture> shape;
+    // Radius of the finest parts of a shape; of a disc its own would be.
+    std::optional<double> detail_rad;
     double share = 1.0;  // of the request's light that this one stands for
 };
 

@@ -50,18 +50,18 @@ SceneSurvey::SceneSurvey(const FlareRequest& request, double tolerance,
         const Result<PlacedLight> placed = PlaceLight(request_, i);
         if (!placed || context.cancel.cancelled()) continue;
         Light light;
-        light.placed = *placed;
-        light.samples = planner_.Sample(*placed, sequences_, context);
-        light.motions =
-            planner_.Motions(*placed, sequences_, light.samples, SettingsFor(finest_), context);
+        light.placed = SourceDisc(scene_.lens, *placed).LightOf(SourceSquare());
+        light.samples = planner_.Sample(light.placed, sequences_, context);
+        light.motions = planner_.Motions(light.placed, sequences_, light.samples,
+                                         SettingsFor(finest_), context);
         light.ghosts.resize(sequences_.size());
-        const GhostPlan plan =
-            planner_.Plan(*placed, sequences_, light.samples, light.motions, SettingsFor(finest_));
+        const GhostPlan plan = planner_.Plan(light.placed, sequences_, light.samples, light.motions,
+                                             SettingsFor(finest_));
         context.threads.For(static_cast<int>(plan.drawn.size()), [&](int n) {
             if (plan.drawn[static_cast<std::size_t>(n)].unseen) return;
             const std::size_t ghost = plan.drawn[static_cast<std::size_t>(n)].index;
             const GhostBuilder::Located located =
-                builder.Locate(*placed, sequences_[ghost], canvas);
+                builder.Locate(light.placed, sequences_[ghost], canvas);
             light.ghosts[ghost] = {located.miss, located.dispersion_px};
         });
         lights_.push_back(std::move(light));
@@ -83,9 +83,9 @@ EstimatedError SceneSurvey::At(double tolerance) const {
     for (const Light& light : lights_) {
         const GhostPlan plan =
             planner_.Plan(light.placed, sequences_, light.samples, light.motions, settings);
-        const double radius_rad = 0.5 * light.placed.angular_diameter_rad;
         std::vector<BlurChoice> blurs(plan.drawn.size());
-        if (radius_rad > 0.0) blurs = ChooseBlur(plan.drawn, radius_rad, settings);
+        if (light.placed.angular_diameter_rad > 0.0)
+            blurs = ChooseBlur(plan.drawn, light.placed, settings);
         estimate.AddLight(plan.frame_light, plan.lost_light);
         for (std::size_t n = 0; n < plan.drawn.size(); ++n) {
             const PlannedGhost& planned = plan.drawn[n];

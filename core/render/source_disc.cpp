@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/base/units.h"
+#include "core/render/source_picture.h"
 
 namespace flare {
 namespace {
@@ -57,7 +58,6 @@ std::vector<SourceSide::Piece> SourceSide::Pieces(int count) const {
     std::array<double, 4> knots{from, std::clamp(outer.node, from, to),
                                 std::clamp(inner.node, from, to), to};
     std::sort(knots.begin(), knots.end());
-    const auto at = [&](double a) { return outer.At(a) * inner.At(a); };
     std::vector<Piece> pieces;
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
         const double length = knots[k + 1] - knots[k];
@@ -67,11 +67,25 @@ std::vector<SourceSide::Piece> SourceSide::Pieces(int count) const {
             const double a = knots[k] + length * i / parts;
             const double b = i + 1 == parts ? knots[k + 1] : knots[k] + length * (i + 1) / parts;
             // Simpson's rule is exact: products of two hats are quadratic between knots.
-            const double mean = (at(a) + 4.0 * at(0.5 * (a + b)) + at(b)) / 6.0;
+            const double mean = (At(a) + 4.0 * At(0.5 * (a + b)) + At(b)) / 6.0;
             pieces.push_back({a, b, 0.5 * (b - a) * mean});
         }
     }
     return pieces;
+}
+
+double SourceSide::MeanOver(double a, double b) const {
+    if (whole()) return 1.0;
+    const double lo = std::clamp(a, from, to), hi = std::clamp(b, from, to);
+    std::array<double, 4> knots{lo, std::clamp(outer.node, lo, hi), std::clamp(inner.node, lo, hi),
+                                hi};
+    std::sort(knots.begin(), knots.end());
+    double sum = 0.0;
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+        const double c = knots[k], d = knots[k + 1];
+        sum += (d - c) * (At(c) + 4.0 * At(0.5 * (c + d)) + At(d)) / 6.0;
+    }
+    return sum / (b - a);
 }
 
 double SourceSide::share() const {
@@ -92,9 +106,62 @@ SourceSide SourceSide::Part(int i, int n) const {
 }
 
 SourceDisc::SourceDisc(const Lens& lens, const PlacedLight& light)
-    : lens_(lens), light_(light), bundle_(BundleOf(lens, light)) {}
+    : lens_(lens), light_(light), bundle_(BundleOf(lens, light)) {
+    if (!light.shape) return;
+    const UprightAxes axes = UprightAt(light.direction);
+    // Turns are lengths of arcs through the light: along them the axes stay what they are.
+    const auto turn = [&](const Vec3d& axis) {
+        constexpr double kSmall = 1e-3;
+        const Vec3d towards = light.direction + axis * kSmall;
+        const Vec2d across(-towards.x, -towards.y);
+        const Vec2d t = bundle_.TurnTo(
+            Vec3d(across.dot(light.pose.x_axis), across.dot(light.pose.y_axis), towards.z)
+                .normalized());
+        return t * (0.5 * light.angular_diameter_rad / t.length());
+    };
+    right_ = turn(axes.right);
+    up_ = turn(axes.up);
+}
 
-SourceCell SourceDisc::OwnCell(const SourceSquare& part, Vec2d& middle) const {
+double SourceDisc::ShareOf(const SourceSquare& part) const {
+    if (!light_.shape) return part.share();
+    double share = 0.0;
+    for (const SourcePatch& patch : PatchesOfShape(part)) share += patch.share;
+    return share;
+}
+
+// Cells of the image, those of a row that are alike as one.
+std::vector<SourcePatch> SourceDisc::PatchesOfShape(const SourceSquare& part) const {
+    const SourcePicture& picture = *light_.shape;
+    const int side = picture.side();
+    const auto place = [&](int k) { return 2.0 * k / side - 1.0; };
+    std::vector<double> across, along;
+    for (int k = 0; k < side; ++k) {
+        across.push_back(part.x.MeanOver(place(k), place(k + 1)));
+        along.push_back(part.y.MeanOver(place(k), place(k + 1)));
+    }
+    std::vector<SourcePatch> patches;
+    for (int j = 0; j < side; ++j) {
+        const auto share = [&](int i) {
+            return picture.At(i, j) * across[static_cast<std::size_t>(i)] *
+                   along[static_cast<std::size_t>(j)];
+        };
+        for (int i = 0; i < side;) {
+            const double of_cell = share(i);
+            int end = i + 1;
+            while (end < side && share(end) == of_cell) ++end;
+            if (of_cell > 0.0) {
+                const auto at = [&](int k, int l) { return right_ * place(k) + up_ * place(l); };
+                patches.push_back(
+                    {{at(i, j), at(end, j), at(end, j + 1), at(i, j + 1)}, of_cell * (end - i)});
+            }
+            i = end;
+        }
+    }
+    return patches;
+}
+
+std::vector<SourcePatch> SourceDisc::PatchesOfDisc(const SourceSquare& part) const {
     double radius = 0.5 * light_.angular_diameter_rad;
     std::vector<SourcePatch> patches;
     if (part.whole()) {
@@ -110,7 +177,11 @@ SourceCell SourceDisc::OwnCell(const SourceSquare& part, Vec2d& middle) const {
             }
         }
     }
-    return CellOfPatches(std::move(patches), middle);
+    return patches;
+}
+
+SourceCell SourceDisc::OwnCell(const SourceSquare& part, Vec2d& middle) const {
+    return CellOfPatches(light_.shape ? PatchesOfShape(part) : PatchesOfDisc(part), middle);
 }
 
 Vec3d SourceDisc::Travel(Vec2d turn_rad) const {
@@ -120,13 +191,16 @@ Vec3d SourceDisc::Travel(Vec2d turn_rad) const {
 }
 
 PlacedLight SourceDisc::LightOf(const SourceSquare& part) const {
-    if (part.whole()) return light_;
+    if (part.whole() && !light_.shape) return light_;
     Vec2d middle(0.0, 0.0);
     const SourceCell cell = OwnCell(part, middle);
     const Vec3d travel = Travel(middle);
     PlacedLight light = FacedTo(lens_, light_, Vec3d(-travel.x, -travel.y, travel.z));
-    light.irradiance *= part.share();
-    light.share *= part.share();
+    const double share = ShareOf(part);
+    light.irradiance *= share;
+    light.share *= share;
+    if (light_.shape) light.detail_rad = light_.shape->detail() * right_.length();
+    light.shape = nullptr;
     // A disc's second moment along an axis is a quarter of its radius squared.
     light.angular_diameter_rad = 4.0 * std::sqrt(0.5 * (cell.xx + cell.yy));
     return light;

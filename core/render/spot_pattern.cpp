@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/units.h"
+#include "core/image/polygon_raster.h"
 #include "core/wave/coverage.h"
 #include "core/wave/fourier.h"
 
@@ -39,14 +40,47 @@ std::vector<PatternBand> PatternBands(const std::vector<SpotBand>& bands) {
     return out;
 }
 
+// The light of a source in cells of `bin` pixels, cell (side / 2, side / 2) around its middle.
+std::vector<double> SharesOf(const SpotSource& source, int side, int bin) {
+    if (source.patches.empty()) {
+        Loop ellipse;
+        constexpr int kSides = 256;
+        for (int i = 0; i < kSides; ++i) {
+            const double angle = 2.0 * kPi * i / kSides;
+            ellipse.push_back(source.ellipse.a * std::cos(angle) +
+                              source.ellipse.b * std::sin(angle));
+        }
+        return Coverage({ellipse}, side, bin);
+    }
+    const auto n = static_cast<std::size_t>(side);
+    std::vector<double> shares(n * n, 0.0);
+    PolygonRaster raster({{shares.data()}, 0, 0, side, side}, 1);
+    const double middle = side / 2 + 0.5;
+    for (const SourcePatch& patch : source.patches) {
+        std::vector<Vec2d> outline = patch.outline;
+        for (Vec2d& p : outline) p = p / static_cast<double>(bin) + Vec2d(middle, middle);
+        raster.Add(outline, {&patch.share, 1}, 0);
+    }
+    raster.Flush();
+    return shares;
+}
+
 // How far from the middle far patterns are asked for: beyond, their tables stay as they are.
 constexpr double kOutermost_px = 30'000.0;
 
 }  // namespace
 
+double SpotSource::reach() const {
+    double reach = ellipse.radius();
+    for (const SourcePatch& patch : patches) {
+        for (const Vec2d& p : patch.outline) reach = std::max(reach, p.length());
+    }
+    return reach;
+}
+
 SpotPattern::SpotPattern(const std::vector<ApertureOutline>& outlines, const NearPattern& near,
-                         const std::vector<SpotBand>& bands, const SourceEllipse& source,
-                         Vec2d middle, double near_px, ThreadPool& threads)
+                         const std::vector<SpotBand>& bands, const SpotSource& source, Vec2d middle,
+                         double near_px, ThreadPool& threads)
     : near_(near),
       bands_(bands),
       middle_(middle),
@@ -54,10 +88,10 @@ SpotPattern::SpotPattern(const std::vector<ApertureOutline>& outlines, const Nea
       point_edge_(near_px),
       point_far_(outlines, PatternBands(bands), {}, blended_ ? kBlendFrom * near_px : near_px,
                  kOutermost_px) {
-    const double radius = source.radius();
+    const double radius = source.reach();
     if (radius <= kPointRadius_px) return;
     disc_edge_ = std::max(kDiscRadii * radius, std::max(near_px, kLeastBlended_px) + 2.0 * radius);
-    disc_far_.emplace(outlines, PatternBands(bands), source, kDiscBlendFrom * disc_edge_,
+    disc_far_.emplace(outlines, PatternBands(bands), source.ellipse, kDiscBlendFrom * disc_edge_,
                       kOutermost_px);
     BuildPatch(source, threads);
 }
@@ -168,8 +202,8 @@ std::vector<Vec3d> SpotPattern::PointLight(const PixelWindow& cells, int bin) co
     return light;
 }
 
-void SpotPattern::BuildPatch(const SourceEllipse& source, ThreadPool& threads) {
-    const double half = disc_edge_ + source.radius() + 2.0;
+void SpotPattern::BuildPatch(const SpotSource& source, ThreadPool& threads) {
+    const double half = disc_edge_ + source.reach() + 2.0;
     patch_.bin = std::max(1, static_cast<int>(std::ceil(2.0 * half / kPatchSide)));
     patch_.side = 2;
     while (patch_.side * patch_.bin < 2.0 * half + 2.0 * patch_.bin) patch_.side *= 2;
@@ -190,13 +224,7 @@ void SpotPattern::BuildPatch(const SourceEllipse& source, ThreadPool& threads) {
             blue[static_cast<std::size_t>(row) * n + k] = light[k].z;
         }
     });
-    Loop ellipse;
-    constexpr int kSides = 256;
-    for (int i = 0; i < kSides; ++i) {
-        const double angle = 2.0 * kPi * i / kSides;
-        ellipse.push_back(source.a * std::cos(angle) + source.b * std::sin(angle));
-    }
-    const std::vector<double> shares = Coverage({ellipse}, patch_.side, patch_.bin);
+    const std::vector<double> shares = SharesOf(source, patch_.side, patch_.bin);
     double sum = 0.0;
     for (const double share : shares) sum += share;
     // The kernel's middle comes first.

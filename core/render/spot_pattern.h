@@ -11,6 +11,7 @@
 #include "core/base/cancel.h"
 #include "core/base/parallel.h"
 #include "core/image/flare_image.h"
+#include "core/image/source_kernel.h"
 #include "core/wave/far_pattern.h"
 #include "core/wave/near_pattern.h"
 
@@ -22,13 +23,21 @@ struct SpotBand {
     Vec2d middle{0.0, 0.0};
 };
 
+// What the source looks like on the picture, pixels from its middle.
+struct SpotSource {
+    SourceEllipse ellipse;  // a disc's image, or one with the second moments of the patches
+    std::vector<SourcePatch> patches;  // of a shape; of a disc none
+
+    double reach() const;  // nothing of it lies farther from its middle
+};
+
 class SpotPattern {
   public:
     // Outlines in mm over pixels a radian, so that pixels over mm are their frequencies;
     // wavelengths in mm. `middle` is the place from which far light is measured, `near_px` how far
     // `near` is good for all wavelengths; it outlives the pattern.
     SpotPattern(const std::vector<ApertureOutline>& outlines, const NearPattern& near,
-                const std::vector<SpotBand>& bands, const SourceEllipse& source, Vec2d middle,
+                const std::vector<SpotBand>& bands, const SpotSource& source, Vec2d middle,
                 double outer_px, ThreadPool& threads);
 
     // The light in each pixel of the window, row by row.
@@ -45,7 +54,7 @@ class SpotPattern {
     void AddNear(const PixelWindow& cells, int bin, std::vector<Vec3d>& out) const;
     Vec3d MeanFar(const FarPattern& far, Vec2d place, double size) const;
     Vec3d MeanOutside(Vec2d place, double size) const;
-    void BuildPatch(const SourceEllipse& source, ThreadPool& threads);
+    void BuildPatch(const SpotSource& source, ThreadPool& threads);
     Vec3d FromPatch(double x, double y) const;
 
     const NearPattern& near_;

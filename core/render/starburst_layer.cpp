@@ -8,6 +8,7 @@
 #include "core/base/units.h"
 #include "core/render/mask_outline.h"
 #include "core/render/quality.h"
+#include "core/render/source_disc.h"
 #include "core/spectrum/spectrum.h"
 #include "core/spectrum/wavelength_plan.h"
 #include "core/tracing/chief_ray.h"
@@ -82,6 +83,26 @@ EdgeLoop Scaled(const EdgeLoop& edge, Vec2d along_u, Vec2d along_v) {
         for (EdgePiece& piece : loop.pieces) std::reverse(piece.begin(), piece.end());
     }
     return loop;
+}
+
+// A disc's image, or that of a shape's cell about its own middle.
+SpotSource SpotSourceOf(const SourceCell& shape, double radius_rad, Vec2d along_u, Vec2d along_v) {
+    SpotSource source;
+    if (shape.patches.empty()) {
+        source.ellipse = {along_u * radius_rad, along_v * radius_rad};
+        return source;
+    }
+    // A disc's second moment along an axis is a quarter of its radius squared: the ellipse with
+    // these moments is the image of a disc under twice their Cholesky factor.
+    const double a = 2.0 * std::sqrt(shape.xx);
+    const double b = 4.0 * shape.xy / a;
+    const double c = std::sqrt(std::max(0.0, 4.0 * shape.yy - b * b));
+    source.ellipse = {along_u * a + along_v * b, along_v * c};
+    source.patches = shape.patches;
+    for (SourcePatch& patch : source.patches) {
+        for (Vec2d& p : patch.outline) p = along_u * p.x + along_v * p.y;
+    }
+    return source;
 }
 
 // A number in -1..1 for the turn `index` of an unsteady iris (SplitMix64).
@@ -225,6 +246,18 @@ std::vector<SpotBand> StarburstLayer::BandsOf(const PlacedLight& light, const Li
 void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const CancelToken& cancel) {
     const Vec3d& e = light.irradiance;
     if (e.x == 0.0 && e.y == 0.0 && e.z == 0.0) return;
+    if (!light.shape) {
+        AddSpot(light, {}, threads, cancel);
+        return;
+    }
+    const SourceDisc whole(*request_.lens, light);
+    const PlacedLight middle = whole.LightOf(SourceSquare());
+    AddSpot(middle, whole.CellOf(SourceSquare(), middle), threads, cancel);
+}
+
+void StarburstLayer::AddSpot(const PlacedLight& light, const SourceCell& shape, ThreadPool& threads,
+                             const CancelToken& cancel) {
+    const Vec3d& e = light.irradiance;
     const LightBundle bundle = BundleOf(*request_.lens, light);
     Spot spot;
     if (!PlaceSpot(light, bundle, spot)) return;
@@ -235,7 +268,7 @@ void StarburstLayer::Add(const PlacedLight& light, ThreadPool& threads, const Ca
         request_.quality == QualityPreset::kFinal || request_.quality == QualityPreset::kReference;
     const NearPattern near(spot.outlines, fine ? kFineSide : kSide, !facts_.core, threads);
     const double radius = 0.5 * light.angular_diameter_rad;
-    const SourceEllipse source{spot.along_u * radius, spot.along_v * radius};
+    const SpotSource source = SpotSourceOf(shape, radius, spot.along_u, spot.along_v);
 
     const double flux =
         spectral_ ? bands.front().band.weight.x / e.x

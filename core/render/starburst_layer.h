@@ -45,6 +45,9 @@ class StarburstLayer {
     const UnseenFacts& unseen() const { return unseen_; }
 
   private:
+    // Of a light that is a point or a disc, or stands in the middle of a shape's cell.
+    void AddSpot(const PlacedLight& light, const SourceCell& shape, ThreadPool& threads,
+                 const CancelToken& cancel);
     // Where a light's image stands and how directions spread there.
     struct Spot {
         std::vector<double> nodes_nm;  // wavelengths at which places are known

@@ -55,11 +55,49 @@ bool ReadMask(Reader& reader, const JsonView& at, IrisMask& mask) {
     });
 }
 
+bool ReadMarks(Reader& reader, const JsonView& at, int& count, double& opacity, int& seed) {
+    std::optional<JsonView> number;
+    return reader.Require(at, "count", number) &&
+           reader.Integer(*number, 0, limits::kMaxMarks, count) &&
+           IfGiven(
+               at, "opacity",
+               [&](const JsonView& v) { return reader.Number(v, Between(0.0, 1.0), opacity); }) &&
+           IfGiven(at, "seed",
+                   [&](const JsonView& v) { return reader.Integer(v, 0, limits::kMaxSeed, seed); });
+}
+
+bool ReadLength(Reader& reader, const JsonView& at, const char* name, double& length_mm) {
+    return IfGiven(at, name, [&](const JsonView& v) {
+        return reader.Number(v, FromUpTo(limits::kMinMark_mm, limits::kMaxMark_mm), length_mm);
+    });
+}
+
+bool ReadDirt(Reader& reader, const JsonView& at, Iris& iris) {
+    return IfGiven(at, "dust",
+                   [&](const JsonView& v) {
+                       IrisDust& dust = iris.dust.emplace();
+                       return reader.Object(v, {"count", "size_mm", "opacity", "seed"}) &&
+                              ReadMarks(reader, v, dust.count, dust.opacity, dust.seed) &&
+                              ReadLength(reader, v, "size_mm", dust.size_mm);
+                   }) &&
+           IfGiven(at, "scratches", [&](const JsonView& v) {
+               IrisScratches& scratches = iris.scratches.emplace();
+               return reader.Object(v, {"count", "length_mm", "width_mm", "opacity", "seed"}) &&
+                      ReadMarks(reader, v, scratches.count, scratches.opacity, scratches.seed) &&
+                      ReadLength(reader, v, "length_mm", scratches.length_mm) &&
+                      ReadLength(reader, v, "width_mm", scratches.width_mm);
+           });
+}
+
 bool CheckIris(Reader& reader, const JsonView& at, const Iris& iris) {
     if (iris.mask && iris.mask->scale == IrisMaskScale::kArea && iris.blades != 0) {
         return reader.RefuseMember(at, "blades", "bad_value",
                                    "a mask stands in place of blades, unless its scale is "
                                    "\"stop\"");
+    }
+    if (iris.mask && (iris.dust || iris.scratches)) {
+        return reader.RefuseMember(at, iris.dust ? "dust" : "scratches", "unsupported",
+                                   "dust and scratches on a mask are not built: draw them into it");
     }
     if (iris.irregularity > 0.0 && iris.blades == 0) {
         return reader.RefuseMember(at, "irregularity", "bad_value", "a round iris has no blades");
@@ -125,8 +163,8 @@ bool CheckPictureSize(Reader& reader, const JsonView& at, const Image& image,
 
 bool ReadIris(Reader& reader, const JsonView& at, Iris& iris) {
     const bool read =
-        reader.Object(at,
-                      {"blades", "roundness", "rotation_deg", "irregularity", "seed", "mask"}) &&
+        reader.Object(at, {"blades", "roundness", "rotation_deg", "irregularity", "seed", "mask",
+                           "dust", "scratches"}) &&
         IfGiven(at, "blades",
                 [&](const JsonView& v) {
                     if (!reader.Integer(v, 0, limits::kMaxBlades, iris.blades)) return false;
@@ -151,7 +189,8 @@ bool ReadIris(Reader& reader, const JsonView& at, Iris& iris) {
             at, "seed",
             [&](const JsonView& v) { return reader.Integer(v, 0, limits::kMaxSeed, iris.seed); }) &&
         IfGiven(at, "mask",
-                [&](const JsonView& v) { return ReadMask(reader, v, iris.mask.emplace()); });
+                [&](const JsonView& v) { return ReadMask(reader, v, iris.mask.emplace()); }) &&
+        ReadDirt(reader, at, iris);
     return read && CheckIris(reader, at, iris);
 }
 

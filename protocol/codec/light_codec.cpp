@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "protocol/codec/base64.h"
 #include "protocol/codec/curve_codec.h"
 #include "protocol/limits.h"
 
@@ -61,9 +62,25 @@ bool ReadColor(Reader& reader, const JsonView& at, bool spectral, Light& light) 
            });
 }
 
+bool ReadShape(Reader& reader, const JsonView& at, Light& light) {
+    if (at.kind() == JsonKind::kString || (at.kind() == JsonKind::kObject && at.Find("file"))) {
+        return reader.Refuse(at, "bad_value",
+                             "a shape is sent as {\"png_base64\": ...}; only flare render reads a "
+                             "file named in its place");
+    }
+    std::optional<JsonView> png;
+    std::string text;
+    if (!reader.Object(at, {"png_base64"}) || !reader.Require(at, "png_base64", png) ||
+        !reader.Text(*png, limits::kMaskTextBytes, text)) {
+        return false;
+    }
+    light.shape_png = BytesFromBase64(text);
+    return light.shape_png || reader.Refuse(*png, "bad_value", "the text is not base64");
+}
+
 bool ReadLight(Reader& reader, const JsonView& at, bool spectral, Light& light) {
     if (!reader.Object(at, {"direction", "pixel", "distance_m", "irradiance",
-                            "angular_diameter_deg", "temperature_k", "spectrum"})) {
+                            "angular_diameter_deg", "shape", "temperature_k", "spectrum"})) {
         return false;
     }
     const std::optional<JsonView> direction = at.Find("direction");
@@ -84,10 +101,16 @@ bool ReadLight(Reader& reader, const JsonView& at, bool spectral, Light& light) 
                            light.distance_m.emplace());
                    }) &&
            ReadColor(reader, at, spectral, light) &&
-           IfGiven(at, "angular_diameter_deg", [&](const JsonView& v) {
-               double& diameter = light.angular_diameter_deg;
-               return reader.Number(v, FromUpTo(0.0, limits::kMaxAngularDiameter_deg), diameter);
-           });
+           IfGiven(at, "angular_diameter_deg",
+                   [&](const JsonView& v) {
+                       double& diameter = light.angular_diameter_deg;
+                       return reader.Number(v, FromUpTo(0.0, limits::kMaxAngularDiameter_deg),
+                                            diameter);
+                   }) &&
+           IfGiven(at, "shape", [&](const JsonView& v) { return ReadShape(reader, v, light); }) &&
+           (!light.shape_png || light.angular_diameter_deg > 0.0 ||
+            reader.RefuseMember(at, "shape", "bad_value",
+                                "a shape needs its width, angular_diameter_deg"));
 }
 
 bool ReadPhoton(Reader& reader, const JsonView& at, Photon& photon) {
@@ -154,8 +177,15 @@ bool ReadReflections(Reader& reader, const JsonView& at, int& reflections) {
 bool ReadLights(Reader& reader, const JsonView& at, bool spectral, std::vector<Light>& lights) {
     if (!reader.Array(at, limits::kLights)) return false;
     lights.reserve(at.child_count());
+    std::size_t shapes = 0;
     for (auto child = at.FirstChild(); child; child = child->NextSibling()) {
         if (!ReadLight(reader, *child, spectral, lights.emplace_back())) return false;
+        shapes += lights.back().shape_png ? 1 : 0;
+        if (shapes > limits::kShapes) {
+            return reader.RefuseMember(
+                *child, "shape", "limit",
+                "at most " + std::to_string(limits::kShapes) + " lights may have a shape");
+        }
     }
     return true;
 }

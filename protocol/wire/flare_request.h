@@ -53,6 +53,18 @@ struct IrisMask {
     IrisMaskScale scale = IrisMaskScale::kArea;
 };
 
+struct IrisDust {
+    int count = 0;
+    double size_mm = 0.1, opacity = 1.0;
+    int seed = 0;
+};
+
+struct IrisScratches {
+    int count = 0;
+    double length_mm = 3.0, width_mm = 0.03, opacity = 1.0;
+    int seed = 0;
+};
+
 // What an artist makes of one ghost.
 struct ArtistGhost {
     std::vector<int> sequence;
@@ -68,6 +80,9 @@ struct Iris {
     double irregularity = 0.0;  // with blades
     int seed = 0;
     std::optional<IrisMask> mask;  // scaled by area: without blades
+    // On the stop; never together with a mask.
+    std::optional<IrisDust> dust;
+    std::optional<IrisScratches> scratches;
 };
 
 struct Image {
@@ -99,7 +114,8 @@ struct Light {
     std::array<double, 3> irradiance{1.0, 1.0, 1.0};
     std::optional<double> temperature_k;
     std::optional<SampledSpectrum> spectrum;
-    double angular_diameter_deg = 0.0;  // of its disc; 0: a point
+    double angular_diameter_deg = 0.0;     // of its disc or its shape's longer side; 0: a point
+    std::optional<std::string> shape_png;  // bytes of an image of its shape, not looked at
 };
 
 // The reference by photons in place of meshes.

@@ -12,8 +12,8 @@
 #include "server/cli/encoder_view.h"
 #include "server/cli/explain.h"
 #include "server/cli/files.h"
-#include "server/cli/mask_file.h"
 #include "server/cli/progress.h"
+#include "server/cli/request_images.h"
 #include "server/service.h"
 
 namespace flare::cli {
@@ -163,7 +163,7 @@ int Render(const RenderOptions& options) {
     }
     Result<std::string> body = ReadInput(options.request);
     if (!body) return Complain("", body.error());
-    body = WithMaskInside(*body, options.request);
+    body = WithImagesInside(*body, options.request);
     if (!body) return Complain(options.request, body.error());
     if (!options.encoder.empty()) {
         body = WithEncoder(*body, options.encoder);

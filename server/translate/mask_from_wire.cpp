@@ -41,4 +41,19 @@ Result<std::shared_ptr<const StopPicture>> MaskFromWire(const wire::IrisMask& ma
     return StopPicture::Sharp(std::move(grid));
 }
 
+Result<std::shared_ptr<const SourcePicture>> ShapeFromWire(const std::string& png,
+                                                           std::size_t light) {
+    const std::string where = "/lights/" + std::to_string(light) + "/shape/png_base64";
+    Result<MaskImage> image = DecodeMaskPng(png, limits::kShapeSide);
+    if (!image) {
+        Error error = image.error();
+        error.where = where;
+        return error;
+    }
+    std::shared_ptr<const SourcePicture> shape =
+        SourcePicture::Of(image->width, image->height, image->values);
+    if (!shape) return Error{"bad_value", "the shape is all dark", where};
+    return shape;
+}
+
 }  // namespace flare

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/optics/stop_dirt.h"
 #include "core/spectrum/light_spectrum.h"
 #include "core/spectrum/sampled_curve.h"
 #include "server/translate/lens_from_wire.h"
@@ -119,6 +120,24 @@ SplitBy SplitFromWire(wire::Split split) {
     return SplitBy::kNone;
 }
 
+// Null: clean.
+std::shared_ptr<const StopPicture> DirtFromWire(const wire::Iris& iris, const Lens& lens) {
+    StopDust dust;
+    if (iris.dust) {
+        dust = {iris.dust->count, iris.dust->size_mm, iris.dust->opacity,
+                static_cast<std::uint64_t>(iris.dust->seed)};
+    }
+    StopScratches scratches;
+    if (iris.scratches) {
+        const wire::IrisScratches& of = *iris.scratches;
+        scratches = {of.count, of.length_mm, of.width_mm, of.opacity,
+                     static_cast<std::uint64_t>(of.seed)};
+    }
+    const auto stop = static_cast<std::size_t>(lens.stop_index());
+    const double rim_mm = lens.surfaces()[stop].semi_diameter_mm;
+    return DirtyStop(MarksOf(dust, scratches, rim_mm), rim_mm);
+}
+
 LightSpec LightFromWire(const wire::Light& light) {
     LightSpec spec;
     if (light.direction) spec.direction = DirectionFromWire(*light.direction);
@@ -174,10 +193,20 @@ Result<FlareRequest> RequestFromWire(const wire::FlareRequest& request,
         translated.iris.mask_scale =
             iris.mask->scale == wire::IrisMaskScale::kStop ? MaskScale::kStop : MaskScale::kArea;
     }
+    if (std::shared_ptr<const StopPicture> dirt = DirtFromWire(iris, *translated.lens)) {
+        translated.iris.mask = std::move(dirt);
+        translated.iris.mask_scale = MaskScale::kStop;
+    }
     translated.image = ImageFromWire(request.image);
     translated.lights.reserve(request.lights.size());
     for (const wire::Light& light : request.lights) {
         translated.lights.push_back(LightFromWire(light));
+        if (light.shape_png) {
+            Result<std::shared_ptr<const SourcePicture>> shape =
+                ShapeFromWire(*light.shape_png, translated.lights.size() - 1);
+            if (!shape) return shape.error();
+            translated.lights.back().shape = std::move(*shape);
+        }
         if (light.spectrum && !translated.lights.back().spectrum) {
             return Error{"bad_value", "the spectrum has no light that the eye sees",
                          "/lights/" + std::to_string(translated.lights.size() - 1) + "/spectrum"};

@@ -59,6 +59,14 @@ void Add(Fingerprinter& hash, const wire::Quality& quality) {
 void Add(Fingerprinter& hash, const wire::Iris& iris) {
     hash.Add(iris.blades).Add(iris.roundness).Add(iris.rotation_deg);
     if (iris.irregularity > 0.0) hash.Add("irregular").Add(iris.irregularity).Add(iris.seed);
+    if (iris.dust) {
+        hash.Add("dust").Add(iris.dust->count).Add(iris.dust->size_mm);
+        hash.Add(iris.dust->opacity).Add(iris.dust->seed);
+    }
+    if (iris.scratches) {
+        hash.Add("scratches").Add(iris.scratches->count).Add(iris.scratches->length_mm);
+        hash.Add(iris.scratches->width_mm).Add(iris.scratches->opacity).Add(iris.scratches->seed);
+    }
     if (iris.mask) hash.Add("mask").Add(iris.mask->png).Add(static_cast<int>(iris.mask->scale));
 }
 
@@ -79,6 +87,7 @@ void Add(Fingerprinter& hash, const wire::Light& light) {
     Add(hash, light.distance_m);
     Add(hash, light.irradiance);
     hash.Add(light.angular_diameter_deg);
+    if (light.shape_png) hash.Add("shape").Add(*light.shape_png);
     Add(hash, light.temperature_k);
     hash.Add(light.spectrum.has_value());
     if (light.spectrum) {

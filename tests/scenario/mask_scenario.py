@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Irises by a mask: the client reads the image, the daemon never opens a file it is told of."""
+"""Irises and lights by an image: the client reads it, the daemon opens no file it is told of."""
 import base64
 import json
 import os
@@ -54,6 +54,48 @@ class MaskScenario(Scenario):
             self.assertEqual(reply.body, here)
             reply = daemon.flare(small_request(iris={"mask": self.path("hole.png")}))
             self.assert_refused(reply, 400, "bad_value", "/iris/mask")
+
+    def test_dust_and_scratches_lie_where_their_seed_says(self):
+        clean = self.rendered("clean", {})
+        dust = {"count": 40, "size_mm": 0.5, "seed": 3}
+        dusty = self.rendered("dusty", {"dust": dust})
+        self.assertNotEqual(dusty, clean)
+        self.assertEqual(self.rendered("again", {"dust": dust}), dusty)
+        self.assertNotEqual(self.rendered("other", {"dust": dict(dust, seed=4)}), dusty)
+        scratched = self.rendered("scratched", {"scratches": {"count": 3, "width_mm": 0.2}})
+        self.assertNotIn(scratched, (clean, dusty))
+
+    def test_so_is_the_shape_of_a_light(self):
+        def lit(**shape):
+            return small_request(lights=[{"direction": [0, 0, 1]},
+                                         dict({"direction": [0.1, 0.1, 1],
+                                               "angular_diameter_deg": 2}, **shape)])
+
+        def rendered(name, request, *options):
+            self.run_flare("render", self.write(name + ".json", json.dumps(request)), "-o",
+                           self.path(name + ".exr"), *options)
+            with open(self.path(name + ".exr"), "rb") as file:
+                return file.read()
+
+        with open(self.path("hole.png"), "wb") as file:
+            file.write(mask(True))
+        inside = {"png_base64": base64.b64encode(mask(True)).decode()}
+        here = rendered("here", lit(shape="hole.png"))
+        self.assertNotEqual(here, rendered("disc", lit()))
+        self.assertEqual(rendered("inside", lit(shape=inside)), here)
+        with Daemon() as daemon:
+            self.assertEqual(rendered("there", lit(shape={"file": "hole.png"}), "--server",
+                                      daemon.unix_url), here)
+            self.assert_refused(daemon.flare(lit(shape="hole.png")), 400, "bad_value",
+                                "/lights/1/shape")
+            dark = {"png_base64": base64.b64encode(png([[0, 0]])).decode()}
+            self.assert_refused(daemon.flare(lit(shape=dark)), 400, "bad_value",
+                                "/lights/1/shape/png_base64")
+            broken = {"png_base64": "AAAA"}
+            self.assert_refused(daemon.flare(lit(shape=broken)), 400, "bad_image",
+                                "/lights/1/shape/png_base64")
+            self.assert_refused(daemon.flare(dict(lit(shape=inside), layers=["bokeh"])), 400,
+                                "unsupported", "/lights/1/angular_diameter_deg")
 
     def test_a_file_that_is_missing_or_no_image_is_refused(self):
         path = self.write("a.json", json.dumps(small_request(iris={"mask": "none.png"})))

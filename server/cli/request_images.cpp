@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/cli/mask_file.h"
+#include "server/cli/request_images.h"
 
 #include <filesystem>
+#include <map>
 
 #include "core/image/exr.h"
 #include "core/image/mask_image.h"
@@ -20,11 +21,17 @@ std::optional<wire::JsonView> Member(const std::optional<wire::JsonView>& object
     return member && member->kind() == kind ? member : std::nullopt;
 }
 
-// Writes a document again, with one text in another member's place.
+// What takes the place of a member: a text, under a key of its own or as an object's.
+struct Replacement {
+    std::string_view key;  // in place of the member's own; empty: an object
+    std::string text;
+};
+using Replacements = std::map<std::string, Replacement>;  // by the member's place
+
+// Writes a document again with them.
 class Rewriter {
   public:
-    Rewriter(std::string place, std::string_view key, std::string text)
-        : place_(std::move(place)), key_(key), text_(std::move(text)) {}
+    explicit Rewriter(const Replacements& replacements) : replacements_(replacements) {}
 
     std::string Rewritten(const wire::JsonView& root) {
         Write(root);
@@ -61,19 +68,19 @@ class Rewriter {
     }
 
     void WriteMember(const wire::JsonView& member) {
-        if (member.Pointer() != place_) {
+        const auto found = replacements_.find(member.Pointer());
+        if (found == replacements_.end()) {
             json_.Key(member.key());
             Write(member);
-        } else if (key_.empty()) {
-            json_.Key(member.key()).BeginObject().Member("png_base64", text_).End();
+        } else if (found->second.key.empty()) {
+            const std::string& text = found->second.text;
+            json_.Key(member.key()).BeginObject().Member("png_base64", text).End();
         } else {
-            json_.Member(key_, text_);
+            json_.Member(found->second.key, found->second.text);
         }
     }
 
-    std::string place_;
-    std::string_view key_;  // in place of the member's own; empty: an object
-    std::string text_;
+    const Replacements& replacements_;
     wire::JsonWriter json_{wire::JsonWriter::Style::kCompact};
 };
 
@@ -103,30 +110,52 @@ Result<std::string> PngOfExr(const std::string& bytes) {
     return EncodeMaskPng(mask);
 }
 
-}  // namespace
-
-Result<std::string> WithMaskInside(const std::string& body, const std::string& request) {
-    const auto parsed = wire::JsonDocument::Parse(body);
-    const auto* document = std::get_if<wire::JsonDocument>(&parsed);
-    if (!document) return body;
-    const auto iris = Member(document->root(), "iris", wire::JsonKind::kObject);
-    const auto plain = Member(iris, "mask", wire::JsonKind::kString);
-    const auto named =
-        Member(Member(iris, "mask", wire::JsonKind::kObject), "file", wire::JsonKind::kString);
-    const auto file = plain ? plain : named;
-    if (!file) return body;
-    std::filesystem::path path(std::string(file->string()));
+// The PNG that a name stands for, as base64.
+Result<std::string> ImageNamed(const wire::JsonView& file, const std::string& request) {
+    std::filesystem::path path(std::string(file.string()));
     if (path.is_relative() && request != "-")
         path = std::filesystem::path(request).parent_path() / path;
     Result<std::string> image = ReadInput(path.string());
     if (image && path.extension() == ".exr") image = PngOfExr(*image);
     if (!image) {
         Error error = image.error();
-        error.where = file->Pointer();
+        error.where = file.Pointer();
         return error;
     }
-    return Rewriter(file->Pointer(), plain ? "" : "png_base64", wire::Base64(*image))
-        .Rewritten(document->root());
+    return wire::Base64(*image);
+}
+
+// If member `name` of `object` names a file, puts the image in its place.
+std::optional<Error> Replace(const std::optional<wire::JsonView>& object, std::string_view name,
+                             const std::string& request, Replacements& replacements) {
+    const auto plain = Member(object, name, wire::JsonKind::kString);
+    const auto named =
+        Member(Member(object, name, wire::JsonKind::kObject), "file", wire::JsonKind::kString);
+    const auto file = plain ? plain : named;
+    if (!file) return std::nullopt;
+    Result<std::string> image = ImageNamed(*file, request);
+    if (!image) return image.error();
+    replacements[file->Pointer()] = {plain ? "" : "png_base64", std::move(*image)};
+    return std::nullopt;
+}
+
+}  // namespace
+
+Result<std::string> WithImagesInside(const std::string& body, const std::string& request) {
+    const auto parsed = wire::JsonDocument::Parse(body);
+    const auto* document = std::get_if<wire::JsonDocument>(&parsed);
+    if (!document) return body;
+    Replacements replacements;
+    const auto iris = Member(document->root(), "iris", wire::JsonKind::kObject);
+    if (std::optional<Error> error = Replace(iris, "mask", request, replacements)) return *error;
+    const auto lights = Member(document->root(), "lights", wire::JsonKind::kArray);
+    for (auto light = lights ? lights->FirstChild() : std::nullopt; light;
+         light = light->NextSibling()) {
+        if (std::optional<Error> error = Replace(light, "shape", request, replacements))
+            return *error;
+    }
+    if (replacements.empty()) return body;
+    return Rewriter(replacements).Rewritten(document->root());
 }
 
 }  // namespace flare::cli
