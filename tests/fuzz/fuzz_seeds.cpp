@@ -31,7 +31,7 @@ std::string FileText(const fs::path& path) {
 }
 
 // The least that is a lens: most of the time goes into reading characters, so that a short file is
-// changed in ten times as many ways a second.
+// changed in more ways a second.
 Prescription ShortLens() {
     return testing::Assemble(
         "s",
