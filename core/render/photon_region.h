@@ -18,6 +18,7 @@ class PhotonRegion {
     // By a few thousand unclipped rays at the d line: a cell is kept if the largest of a ray's
     // distances from the axis, each in units of what may pass there, is below 1 in it or can be by
     // how it changes to the next cells; the grid is then laid on the kept cells' box, and so on.
+    // Until a ray has passed, the cells whose rays came through most surfaces are kept as well.
     PhotonRegion(const Lens& lens, const Iris& iris, const BounceSequence& sequence,
                  const PhotonSource& source);
 

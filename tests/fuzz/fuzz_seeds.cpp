@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "core/prescription/prescription_writer.h"
 #include "tests/support/foreign_lens_files.h"
 #include "tests/support/lenses.h"
 #include "tests/support/random.h"
@@ -29,8 +30,18 @@ std::string FileText(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Lens files short enough to be changed in many ways a second.
+// The least that is a lens: most of the time goes into reading characters, so that a short file is
+// changed in more ways a second.
+Prescription ShortLens() {
+    return testing::Assemble(
+        "s",
+        {testing::Sphere(50.0, 4.0, 1.6, 50.0, 9.0), testing::Sphere(-80.0, 2.0, 1.0, 0.0, 9.0),
+         testing::Stop(2.0, 5.0), testing::Sphere(90.0, 3.0, 1.5, 60.0, 8.0),
+         testing::Sphere(-60.0, 0.0, 1.0, 0.0, 8.0)});
+}
+
 void WriteLensFiles(const fs::path& folder) {
+    Write(folder / "lens_file" / "short", TomlFromPrescription(ShortLens()));
     for (const fs::directory_entry& file : fs::directory_iterator(FLARE_SOURCE_DIR "/lenses")) {
         if (file.path().extension() != ".toml" || file.file_size() > 8'000) continue;
         Write(folder / "lens_file" / file.path().filename(), FileText(file.path()));
@@ -39,10 +50,13 @@ void WriteLensFiles(const fs::path& folder) {
 
 void WriteForeignFiles(const fs::path& folder) {
     const Prescription lens = testing::LibraryPrescription(testing::kHeliarName);
+    const Prescription few = ShortLens();
     char number = 0;
     for (const testing::ForeignFormat& format : testing::ForeignFormats()) {
         const std::string text = format.write(lens);
         const std::string name = format.name;
+        Write(folder / "lens_import" / (name + "_short"),
+              std::string(1, number) + format.write(few));
         Write(folder / "lens_import" / name, std::string(1, number++) + text);
         Write(folder / "lens_import" / (name + "_unnamed"), '\xff' + text);
     }

@@ -82,6 +82,23 @@ TEST(PhotonsInColour, AgreeWithTheMesh) {
     EXPECT_LT(std::abs(found.photon_over_mesh), 2e-2);
 }
 
+// Far off the axis of a fisheye nine ghosts in ten use so little of the front that hardly a ray of
+// a grid over it gets through: they were not found, and three quarters of the light with them.
+TEST(PhotonsThroughAFisheye, FindTheNarrowPassages) {
+    FlareRequest request =
+        testing::SpectralRequest(testing::LibraryLens(testing::kFisheyeName), 4.0, 24, 16);
+    request.lights = {testing::LightAt(70.0, 30.0)};
+    request.iris.blades = 7;
+    testing::Studio studio;
+    const testing::PhotonAgreement found =
+        testing::Agreement(request, 1 << 11, 3, studio, QualityPreset::kPreview);
+    std::printf("fisheye at 70: %d blocks, mean t^2 %.2f (%+.1f sigma), noise %.2e, light %+.3f\n",
+                found.blocks, found.mean_t2, found.sigma, found.error, found.photon_over_mesh);
+    EXPECT_GT(found.blocks, 20);
+    EXPECT_LT(std::abs(found.sigma), 5.0);
+    EXPECT_LT(std::abs(found.photon_over_mesh), 4e-2);
+}
+
 // A disc of light is the mean over the points of it.
 TEST(PhotonsOfADisc, AreThoseOfItsPoints) {
     FlareRequest request =
