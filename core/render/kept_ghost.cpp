@@ -2,6 +2,7 @@
 #include "core/render/kept_ghost.h"
 
 #include "core/render/light_meshes.h"
+#include "core/render/source_picture.h"
 
 namespace flare {
 namespace {
@@ -62,7 +63,7 @@ void Add(const GhostCanvas& canvas, Fingerprinter& to) {
 
 void Add(const PlacedLight& light, Fingerprinter& to) {
     const auto& [direction, field_rad, pose, inverse_distance, irradiance, power,
-                 angular_diameter_rad, share] = light;
+                 angular_diameter_rad, shape, detail_rad, share] = light;
     Add(direction, to);
     to.Add(field_rad).Add(pose.azimuth_rad).Add(inverse_distance).Add(angular_diameter_rad);
     to.Add(share).Add(power != nullptr);
@@ -72,6 +73,9 @@ void Add(const PlacedLight& light, Fingerprinter& to) {
     if (power) {
         for (const double value : *power) to.Add(value);
     }
+    to.Add(shape ? shape->side() : 0).Add(detail_rad.value_or(-1.0));
+    for (int k = 0; shape && k < shape->side() * shape->side(); ++k)
+        to.Add(shape->At(k % shape->side(), k / shape->side()));
 }
 
 void Add(const IrisShape& shape, Fingerprinter& to) {

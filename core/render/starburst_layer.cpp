@@ -323,7 +323,7 @@ void StarburstLayer::Draw(const SpotPattern& pattern, const PixelWindow& window,
 // of light w hence has at most w L^2 / (4 pi^2 A r^2) a pixel, whatever the wavelength; L and A are
 // the edge and area of the outline that pixels over wavelengths are the frequencies of.
 PixelWindow StarburstLayer::SeenOf(const Spot& spot, const std::vector<SpotBand>& bands,
-                                   const SourceEllipse& source, double flux_mm2) {
+                                   const SpotSource& source, double flux_mm2) {
     if (!(least_light_ > 0.0)) return window_;
     double most_edge = 0.0, least_area = std::numeric_limits<double>::infinity();
     for (const ApertureOutline& outline : spot.outlines) {
@@ -342,7 +342,7 @@ PixelWindow StarburstLayer::SeenOf(const Spot& spot, const std::vector<SpotBand>
     const double most = spectral_ ? light.x : std::max({light.x, light.y, light.z});
     const double radius = std::sqrt(tail * most / least_light_);
     // A pixel ends half a diagonal from its middle, the source at its edge.
-    const double reach = radius + 1.0 + source.radius();
+    const double reach = radius + 1.0 + source.reach();
     const auto from = [&](double at, int first, int size) {
         return static_cast<int>(
             std::clamp(std::floor(at - reach), 0.0 + first, 0.0 + first + size));

@@ -68,7 +68,7 @@ class StarburstLayer {
                                   const BeamOutline& beam, const Spot& spot,
                                   ThreadPool& threads) const;
     PixelWindow SeenOf(const Spot& spot, const std::vector<SpotBand>& bands,
-                       const SourceEllipse& source, double flux_mm2);
+                       const SpotSource& source, double flux_mm2);
     void Draw(const SpotPattern& pattern, const PixelWindow& window, std::size_t first_plane,
               ThreadPool& threads, const CancelToken& cancel);
 

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "core/render/kept_ghost.h"
+#include "core/render/source_picture.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
 #include "tests/support/seed_lens.h"
@@ -130,6 +131,26 @@ TEST_F(KeptGhosts, AreNotTakenForOthers) {
     FlareRequest all = Seed();
     all.model.culling = CullingRule::kNone;
     EXPECT_GT(Check(all), 0U);
+}
+
+TEST_F(KeptGhosts, FollowTheShapeOfALight) {
+    const auto shaped = [&](float dark) {
+        FlareRequest request = Seed();
+        request.lights[0].angular_diameter_deg = 0.3;
+        request.lights[0].shape = SourcePicture::Of(2, 1, {1.0F, dark});
+        return request;
+    };
+    for (const float dark : {0.0F, 0.5F, 0.0F}) Check(shaped(dark));
+}
+
+TEST_F(KeptGhosts, FollowWhatCanBeSeen) {
+    FlareRequest request = Seed();
+    request.model.ringing = true;
+    Check(request);
+    for (const double floor : {1e-4, 1e-2, 1.0, 1e-4}) {
+        request.visible = VisibleSpec{0.0, floor};
+        Check(request);
+    }
 }
 
 TEST_F(KeptGhosts, FollowTheIrisesPicture) {
