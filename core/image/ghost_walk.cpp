@@ -214,7 +214,8 @@ struct GhostWalk::Work {
         const double coarse = std::max(1.0, 0.4 * tolerance.smallest_px);
         const GhostFringes& fringes = *ghost.fringes;
         const double step_mm =
-            coarse * kStep_t * std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
+            coarse * kStep_t *
+            std::sqrt(0.5 * fringes.wavelength_mm * fringes.crossings[c].usual_mm);
         u = std::max(u, std::min(stop.length_u / step_mm, shape.length_u / coarse));
         v = std::max(v, std::min(stop.length_v / step_mm, shape.length_v / coarse));
     }
