@@ -15,6 +15,8 @@ namespace flare {
 namespace {
 
 constexpr int kGhostsPerBatch = 12;
+// Pixels that polygons draw, of the ghosts of a batch that are to be kept; more are not.
+constexpr std::size_t kMostLeftBytes = std::size_t{1} << 26;
 // A wider light is taken apart before its ghosts are chosen.
 constexpr double kWidest_rad = RadiansFromDegrees(2.5);
 
@@ -129,6 +131,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
     Build(light, planned, batch, reported);
     std::vector<TiledGhost> ghosts;
     std::vector<LeftPixels> left(batch.size());
+    std::size_t room = kMostLeftBytes;
     for (std::size_t n = 0; n < planned.size(); ++n) {
         PlannedGhost& ghost = planned[n];
         GhostBuilder::Built& built = batch[n].built;
@@ -143,6 +146,10 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
         report_.work.Add(built.work);
         ghosts.push_back(std::move(built.ghost));
         if (context_.keeper && !batch[n].kept && ghosts.back().tiles) {
+            const std::size_t bytes = LeftPixels::BytesFor(*ghosts.back().tiles);
+            batch[n].keep = bytes <= room;
+            if (!batch[n].keep) continue;
+            room -= bytes;
             left[n] = LeftPixels(*ghosts.back().tiles);
         }
     }
@@ -158,7 +165,7 @@ std::optional<Error> GhostLayer::AddBatch(const PlacedLight& light, std::span<Pl
     }
     if (context_.keeper && canvas_.tiles && !context_.cancel.cancelled()) {
         for (std::size_t n = 0; n < batch.size(); ++n) {
-            if (batch[n].kept) continue;
+            if (batch[n].kept || !batch[n].keep) continue;
             batch[n].built.ghost = std::move(ghosts[n]);
             context_.keeper->Keep(batch[n].key, KeptOf(batch[n].built, std::move(left[n])));
         }

@@ -53,6 +53,7 @@ class GhostLayer {
     struct Batched {
         Fingerprint key;
         std::shared_ptr<const KeptGhost> kept;
+        bool keep = true;  // once it is drawn
         GhostBuilder::Built built;
     };
     std::vector<Batched> FindKept(const PlacedLight& light, std::span<const PlannedGhost> planned,

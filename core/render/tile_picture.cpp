@@ -75,6 +75,12 @@ class LeftSink final : public PieceSink {
 
 }  // namespace
 
+std::size_t LeftPixels::BytesFor(const GhostTiles& tiles) {
+    const auto count = std::count_if(tiles.left.begin(), tiles.left.end(),
+                                     [](std::uint8_t left) { return left != 0; });
+    return static_cast<std::size_t>(count) * kLeftNumbers * sizeof(float);
+}
+
 LeftPixels::LeftPixels(const GhostTiles& tiles) {
     std::uint32_t count = 0;
     for (std::size_t row = 0; row < static_cast<std::size_t>(tiles.left_height); ++row) {

@@ -24,6 +24,8 @@ struct LeftPixels {
     LeftPixels() = default;
     // Room for those of `tiles`.
     explicit LeftPixels(const GhostTiles& tiles);
+    // How many bytes that takes.
+    static std::size_t BytesFor(const GhostTiles& tiles);
 
     std::vector<std::uint32_t> row_at;  // tiles before each row of tiles
     std::vector<float> rgb;             // [tile][channel][row][column]
