@@ -33,30 +33,41 @@ MetricFamily Single(const char* name, const char* help, MetricType type, double 
     return family;
 }
 
-void AddDisk(const DiskCacheStats& disk, std::vector<MetricFamily>& families) {
-    const auto add = [&](const char* name, const char* help, MetricType type, std::uint64_t value) {
-        families.push_back(Single(name, help, type, static_cast<double>(value)));
-    };
-    const auto count = [&](const char* name, const char* help, std::uint64_t value) {
-        add(name, help, MetricType::Counter, value);
-    };
-    count("flared_mesh_disk_hits_total", "Meshes read from disk", disk.hits);
-    count("flared_mesh_disk_misses_total", "Meshes that were not on disk", disk.misses);
-    count("flared_mesh_disk_discarded_total", "Mesh files that were torn or foreign",
-          disk.discarded);
-    count("flared_mesh_disk_read_bytes_total", "Bytes of the meshes read from disk",
-          disk.read_bytes);
-    count("flared_mesh_disk_writes_total", "Meshes written to disk", disk.writes);
-    count("flared_mesh_disk_written_bytes_total", "Bytes of the meshes written to disk",
-          disk.written_bytes);
-    count("flared_mesh_disk_dropped_total", "Meshes not written because too many waited",
-          disk.dropped);
-    count("flared_mesh_disk_failed_total", "Meshes that could not be written", disk.failed);
-    count("flared_mesh_disk_evictions_total", "Mesh files removed to make room", disk.evictions);
-    add("flared_mesh_disk_bytes", "Bytes of the mesh files", MetricType::Gauge, disk.file_bytes);
-    add("flared_mesh_disk_files", "Mesh files", MetricType::Gauge, disk.files);
-    add("flared_mesh_disk_queue_bytes", "Bytes of the meshes that wait to be written",
-        MetricType::Gauge, disk.queue_bytes);
+// Families that hold one number each.
+class SingleFamilies {
+  public:
+    explicit SingleFamilies(std::vector<MetricFamily>& families) : families_(families) {}
+
+    void Count(const char* name, const char* help, std::uint64_t value) {
+        families_.push_back(Single(name, help, MetricType::Counter, static_cast<double>(value)));
+    }
+    void Gauge(const char* name, const char* help, std::uint64_t value) {
+        families_.push_back(Single(name, help, MetricType::Gauge, static_cast<double>(value)));
+    }
+
+  private:
+    std::vector<MetricFamily>& families_;
+};
+
+void AddDisk(const DiskCacheStats& disk, SingleFamilies& single) {
+    single.Count("flared_mesh_disk_hits_total", "Meshes read from disk", disk.hits);
+    single.Count("flared_mesh_disk_misses_total", "Meshes that were not on disk", disk.misses);
+    single.Count("flared_mesh_disk_discarded_total", "Mesh files that were torn or foreign",
+                 disk.discarded);
+    single.Count("flared_mesh_disk_read_bytes_total", "Bytes of the meshes read from disk",
+                 disk.read_bytes);
+    single.Count("flared_mesh_disk_writes_total", "Meshes written to disk", disk.writes);
+    single.Count("flared_mesh_disk_written_bytes_total", "Bytes of the meshes written to disk",
+                 disk.written_bytes);
+    single.Count("flared_mesh_disk_dropped_total", "Meshes not written because too many waited",
+                 disk.dropped);
+    single.Count("flared_mesh_disk_failed_total", "Meshes that could not be written", disk.failed);
+    single.Count("flared_mesh_disk_evictions_total", "Mesh files removed to make room",
+                 disk.evictions);
+    single.Gauge("flared_mesh_disk_bytes", "Bytes of the mesh files", disk.file_bytes);
+    single.Gauge("flared_mesh_disk_files", "Mesh files", disk.files);
+    single.Gauge("flared_mesh_disk_queue_bytes", "Bytes of the meshes that wait to be written",
+                 disk.queue_bytes);
 }
 
 void AddEncoders(const std::vector<EncoderCounts>& encoders, std::vector<MetricFamily>& families) {
@@ -141,44 +152,33 @@ void CountersTable::CountRejection(const std::string& reason) {
 
 std::string CountersTable::Text(const GaugeReadings& readings) const {
     std::vector<MetricFamily> families = state_->registry.Collect();
-    const auto add = [&](const char* name, const char* help, MetricType type, double value) {
-        families.push_back(Single(name, help, type, value));
-    };
+    SingleFamilies single(families);
     const CacheStats& cache = readings.cache.meshes;
-    add("flared_rays_traced_total", "Rays traced through lenses for ghost meshes",
-        MetricType::Counter, static_cast<double>(readings.cache.rays_traced));
+    single.Count("flared_rays_traced_total", "Rays traced through lenses for ghost meshes",
+                 readings.cache.rays_traced);
     // As in a picture's report: a ghost that was kept needs no mesh, and no ray was traced.
     const CacheStats& ghosts = readings.cache.ghosts;
-    add("flared_mesh_cache_hits_total", "Meshes had from memory, or not needed for a kept ghost",
-        MetricType::Counter, static_cast<double>(cache.hits + ghosts.hits));
-    add("flared_mesh_cache_misses_total", "Meshes read from disk or traced", MetricType::Counter,
-        static_cast<double>(cache.misses));
-    add("flared_mesh_cache_evictions_total", "Meshes dropped to make room", MetricType::Counter,
-        static_cast<double>(cache.evictions));
-    add("flared_mesh_cache_bytes", "Bytes of the meshes kept", MetricType::Gauge,
-        static_cast<double>(cache.bytes));
-    add("flared_mesh_cache_entries", "Meshes kept", MetricType::Gauge,
-        static_cast<double>(cache.entries));
-    add("flared_ghost_cache_hits_total", "Ghosts drawn again as they were kept",
-        MetricType::Counter, static_cast<double>(ghosts.hits));
-    add("flared_ghost_cache_misses_total", "Ghosts made from their meshes", MetricType::Counter,
-        static_cast<double>(ghosts.misses));
-    add("flared_ghost_cache_evictions_total", "Ghosts dropped to make room", MetricType::Counter,
-        static_cast<double>(ghosts.evictions));
-    add("flared_ghost_cache_bytes", "Bytes of the ghosts kept", MetricType::Gauge,
-        static_cast<double>(ghosts.bytes));
-    add("flared_ghost_cache_entries", "Ghosts kept", MetricType::Gauge,
-        static_cast<double>(ghosts.entries));
-    AddDisk(readings.cache.disk, families);
+    single.Count("flared_mesh_cache_hits_total",
+                 "Meshes had from memory, or not needed for a kept ghost",
+                 cache.hits + ghosts.hits);
+    single.Count("flared_mesh_cache_misses_total", "Meshes read from disk or traced", cache.misses);
+    single.Count("flared_mesh_cache_evictions_total", "Meshes dropped to make room",
+                 cache.evictions);
+    single.Gauge("flared_mesh_cache_bytes", "Bytes of the meshes kept", cache.bytes);
+    single.Gauge("flared_mesh_cache_entries", "Meshes kept", cache.entries);
+    single.Count("flared_ghost_cache_hits_total", "Ghosts drawn again as they were kept",
+                 ghosts.hits);
+    single.Count("flared_ghost_cache_misses_total", "Ghosts made from their meshes", ghosts.misses);
+    single.Count("flared_ghost_cache_evictions_total", "Ghosts dropped to make room",
+                 ghosts.evictions);
+    single.Gauge("flared_ghost_cache_bytes", "Bytes of the ghosts kept", ghosts.bytes);
+    single.Gauge("flared_ghost_cache_entries", "Ghosts kept", ghosts.entries);
+    AddDisk(readings.cache.disk, single);
     AddEncoders(readings.encoders, families);
-    add("flared_queue_depth", "Requests that wait for a worker", MetricType::Gauge,
-        static_cast<double>(readings.queue_depth));
-    add("flared_warm_jobs", "Warming that is under way", MetricType::Gauge,
-        static_cast<double>(readings.warm_jobs));
-    add("flared_connections", "Open connections", MetricType::Gauge,
-        static_cast<double>(readings.connections));
-    add("flared_draining", "1 while the daemon is going down", MetricType::Gauge,
-        readings.draining ? 1.0 : 0.0);
+    single.Gauge("flared_queue_depth", "Requests that wait for a worker", readings.queue_depth);
+    single.Gauge("flared_warm_jobs", "Warming that is under way", readings.warm_jobs);
+    single.Gauge("flared_connections", "Open connections", readings.connections);
+    single.Gauge("flared_draining", "1 while the daemon is going down", readings.draining ? 1 : 0);
     return prometheus::TextSerializer().Serialize(families);
 }
 

@@ -74,10 +74,12 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
     }
     std::erase_if(ghosts_of_light,
                   [&](std::size_t i) { return report_.facts.ghosts[i].model == "muted"; });
-    std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, reported);
+    std::optional<GhostKeys> keys;
+    if (context_.keeper) keys.emplace(scene_, light, canvas_, reported);
+    std::vector<PlannedGhost> planned = PlanGhosts(light, ghosts_of_light, keys, reported);
     if (disc) AddBlurredGhosts(light, *disc, part, planned, reported);
     std::erase_if(planned, [](const PlannedGhost& ghost) { return ghost.unseen; });
-    std::vector<Batched> ghosts = FindKept(light, planned, reported);
+    std::vector<Batched> ghosts = FindKept(planned, keys);
     for (std::size_t first = 0; first < planned.size();) {
         if (context_.cancel.cancelled()) break;
         std::size_t count = 0;
@@ -95,15 +97,13 @@ std::optional<Error> GhostLayer::AddLight(const PlacedLight& light, const Source
     return std::nullopt;
 }
 
-std::vector<GhostLayer::Batched> GhostLayer::FindKept(const PlacedLight& light,
-                                                      std::span<const PlannedGhost> planned,
-                                                      bool reported) const {
+std::vector<GhostLayer::Batched> GhostLayer::FindKept(std::span<const PlannedGhost> planned,
+                                                      const std::optional<GhostKeys>& keys) const {
     std::vector<Batched> ghosts(planned.size());
-    if (!context_.keeper || !canvas_.tiles) return ghosts;
-    const GhostKeys keys(scene_, light, canvas_, reported);
+    if (!keys || !canvas_.tiles) return ghosts;
     for (std::size_t n = 0; n < planned.size(); ++n) {
         const BounceSequence& sequence = report_.facts.ghosts[planned[n].index].sequence;
-        ghosts[n].key = keys.Of(sequence, planned[n].weight, planned[n].plain);
+        ghosts[n].key = keys->Of(sequence, planned[n].weight, planned[n].plain);
         ghosts[n].kept = context_.keeper->Find<KeptGhost>(ghosts[n].key);
     }
     return ghosts;
@@ -212,10 +212,11 @@ void GhostLayer::AddBlurredGhosts(const PlacedLight& light, const SourceDisc& di
 
 // How the ghosts look from afar, and whether that was kept.
 std::pair<std::shared_ptr<const SeenGhosts>, bool> GhostLayer::See(
-    const PlacedLight& light, const std::vector<BounceSequence>& sequences, bool reported) {
+    const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+    const std::optional<GhostKeys>& keys) {
     Fingerprint key;
-    if (context_.keeper) {
-        key = GhostKeys(scene_, light, canvas_, reported).OfSeen(sequences);
+    if (keys) {
+        key = keys->OfSeen(sequences);
         if (auto kept = context_.keeper->Find<SeenGhosts>(key)) return {std::move(kept), true};
     }
     planner_.MakeTables();
@@ -230,13 +231,14 @@ std::pair<std::shared_ptr<const SeenGhosts>, bool> GhostLayer::See(
 // Leaves out the ghosts that need not be drawn, and says so.
 std::vector<PlannedGhost> GhostLayer::PlanGhosts(const PlacedLight& light,
                                                  const std::vector<std::size_t>& indices,
+                                                 const std::optional<GhostKeys>& keys,
                                                  bool reported) {
     const double before = context_.now_ms();
     std::vector<BounceSequence> sequences;
     for (const std::size_t i : indices) {
         sequences.push_back(report_.facts.ghosts[i].sequence);
     }
-    const auto [seen, kept] = See(light, sequences, reported);
+    const auto [seen, kept] = See(light, sequences, keys);
     GhostPlan plan = planner_.Plan(light, sequences, seen->samples, seen->motions, scene_.settings);
     Facts& facts = report_.facts;
     facts.culling.culled += plan.facts.culled;

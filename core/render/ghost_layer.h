@@ -41,9 +41,12 @@ class GhostLayer {
   private:
     void AddFact(const BounceSequence& sequence);
     std::pair<std::shared_ptr<const SeenGhosts>, bool> See(
-        const PlacedLight& light, const std::vector<BounceSequence>& sequences, bool reported);
+        const PlacedLight& light, const std::vector<BounceSequence>& sequences,
+        const std::optional<GhostKeys>& keys);
+    // `keys`: of the light's ghosts, where they are kept.
     std::vector<PlannedGhost> PlanGhosts(const PlacedLight& light,
-                                         const std::vector<std::size_t>& indices, bool reported);
+                                         const std::vector<std::size_t>& indices,
+                                         const std::optional<GhostKeys>& keys, bool reported);
     std::optional<Error> AddFourReflections(const PlacedLight& light,
                                             std::vector<std::size_t>& ghosts_of_light);
     // One direction; of a light that is no point, a part of it.
@@ -56,8 +59,8 @@ class GhostLayer {
         bool keep = true;  // once it is drawn
         GhostBuilder::Built built;
     };
-    std::vector<Batched> FindKept(const PlacedLight& light, std::span<const PlannedGhost> planned,
-                                  bool reported) const;
+    std::vector<Batched> FindKept(std::span<const PlannedGhost> planned,
+                                  const std::optional<GhostKeys>& keys) const;
     void Build(const PlacedLight& light, std::span<const PlannedGhost> planned,
                std::span<Batched> batch, bool reported);
     std::optional<Error> AddBatch(const PlacedLight& light, std::span<PlannedGhost> planned,

@@ -9,6 +9,7 @@
 #include "core/render/source_disc.h"
 #include "core/render/source_picture.h"
 #include "core/tracing/chief_ray.h"
+#include "tests/support/crops.h"
 #include "tests/support/lenses.h"
 #include "tests/support/rendering.h"
 
@@ -152,12 +153,7 @@ TEST(LightShape, HasTheSameBitsInACropAndOnMoreThreads) {
     EXPECT_EQ(three.Shoot(request).image.planes[0].values, whole.planes[0].values);
     request.image.crop = {{21, 13, 47, 24}};
     const FlareImage crop = three.Shoot(request).image;
-    for (int j = 0; j < 24; ++j) {
-        for (int i = 0; i < 47; ++i) {
-            ASSERT_EQ(crop.planes[0].values[static_cast<std::size_t>(j * 47 + i)],
-                      whole.planes[0].values[static_cast<std::size_t>((j + 13) * 90 + i + 21)]);
-        }
-    }
+    testing::ExpectIsCropOf(whole, crop, *request.image.crop);
 }
 
 // However a shape is taken apart, its parts have all of its light, its middle and its width; parts
